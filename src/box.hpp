@@ -1,0 +1,57 @@
+/// @file
+/// Periodic box, at rest or in simple shear (Lees & Edwards).
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "errors.hpp"
+#include "particles.hpp"
+
+namespace dpd {
+
+/// Box [0, length). In shear the flow is along x (axis 0), its gradient along y (axis 1): u_x(y) =
+/// shear_rate (y - length_y/2). The image of the box across the upper y boundary is displaced by
+/// `offset(time)` along x and moves at `image_speed()` relative to the primary box.
+template <int d>
+struct Box {
+    Vec<d> length = Vec<d>::Ones();
+    double shear_rate = 0.0;
+
+    double volume() const { return length.prod(); }
+    bool sheared() const { return shear_rate != 0.0; }
+    double image_speed() const { return shear_rate * length[1]; }
+    double offset(double time) const { return std::fmod(image_speed() * time, length[0]); }
+    double flow_velocity(double y) const { return shear_rate * (y - 0.5 * length[1]); }
+
+    /// Returns every particle to the primary box at `time`; a particle that leaves through a y boundary in
+    /// shear changes to its image's x and velocity. Throws Diverged for a position that is not a number or
+    /// lies more than 2^30 boxes away.
+    void wrap(Particles<d>& particles, double time) const {
+        if (sheared()) wrap_axis(particles, 1, offset(time), image_speed());
+        for (int axis = 0; axis < d; ++axis)
+            if (axis != 1 || !sheared()) wrap_axis(particles, axis, 0.0, 0.0);
+    }
+
+private:
+    void wrap_axis(Particles<d>& particles, int axis, double shift, double speed) const {
+        double const side = length[axis];
+        double* const x = particles.position.col(axis).data();
+        for (Eigen::Index p = 0; p < particles.size(); ++p) {
+            if (x[p] >= 0.0 && x[p] < side) [[likely]]
+                continue;
+            double const boxes = std::floor(x[p] / side);
+            if (!(std::abs(boxes) < std::numeric_limits<std::int32_t>::max() / 2.0))
+                throw Diverged("a particle's position is no longer a finite number of boxes away");
+            x[p] -= boxes * side;
+            if (x[p] >= side || x[p] < 0.0) x[p] = 0.0;  // rounding at the boundary itself
+            particles.image(p, axis) += static_cast<std::int32_t>(boxes);
+            if (shift != 0.0 || speed != 0.0) {
+                particles.position(p, 0) -= boxes * shift;
+                particles.velocity(p, 0) -= boxes * speed;
+            }
+        }
+    }
+};
+
+}  // namespace dpd

@@ -1,0 +1,586 @@
+#include "figure.hpp"
+
+#include <fmt/format.h>
+#include <fmt/os.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+#include <thread>
+
+#include "progress.hpp"
+#include "theory/registry.hpp"
+#include "toml_reader.hpp"
+#include "version.hpp"
+
+namespace dpd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// --- theory ----------------------------------------------------------------------------------------------
+
+// The closed forms' parameters, by the names of the command line, as a scene has them.
+std::map<std::string, std::string> theory_arguments(Scene const& scene) {
+    auto const text = [](double value) { return fmt::format("{}", value); };
+    std::map<std::string, std::string> arguments{{"d", fmt::format("{}", scene.dimension)},
+                                                 {"n", text(scene.density())},
+                                                 {"m", text(scene.mass)},
+                                                 {"dt", text(scene.time_step)},
+                                                 {"kT", text(scene.kT)}};
+    if (scene.has_stage("shardlow")) {
+        arguments["gamma"] = text(scene.shardlow.friction);
+        arguments["rc"] = text(scene.shardlow.cutoff);
+        arguments["kT"] = text(scene.shardlow.kT);
+        arguments["weight"] = name_of(scene.shardlow.weight);
+    }
+    if (scene.has_stage("euler")) {
+        arguments["gamma"] = text(scene.euler.gamma);
+        arguments["sigma"] = text(scene.euler.sigma);
+        arguments["rc"] = text(scene.euler.cutoff);
+        arguments["weight"] = name_of(scene.euler.weight);
+        if (scene.euler.random_weight) arguments["random_weight"] = name_of(*scene.euler.random_weight);
+    }
+    return arguments;
+}
+
+// --- definition ------------------------------------------------------------------------------------------
+
+constexpr std::array<std::string_view, 3> relation_names{"equal", "at_most", "at_least"};
+
+Relation relation_from_name(std::string_view name) {
+    return static_cast<Relation>(std::find(relation_names.begin(), relation_names.end(), name) -
+                                 relation_names.begin());
+}
+
+std::string_view name_of(Relation relation) { return relation_names[static_cast<std::size_t>(relation)]; }
+
+std::vector<Criterion> read_criteria(TomlReader& reader) {
+    std::vector<Criterion> criteria;
+    for (auto& table : reader.tables("compare")) {
+        Criterion criterion;
+        criterion.quantity = table.text("quantity", std::nullopt);
+        criterion.theory = table.text("theory", std::nullopt);
+        criterion.value = table.number("value", 0.0, any_number);
+        criterion.relation = relation_from_name(table.text("relation", "equal", relation_names));
+        criterion.tolerance = table.number("tolerance", 0.0, non_negative);
+        criterion.resolution = table.number("resolution", 0.01, positive);
+        table.finish();
+        bool const known = criterion.theory == "value" || criterion.theory.starts_with("curve:") ||
+                           theory::find(criterion.theory) != nullptr;
+        if (!known)
+            table.fail("theory", "is no closed form; allowed: an id of `dpdref theory`, curve:NAME, value");
+        criteria.push_back(criterion);
+    }
+    return criteria;
+}
+
+// Applies the keys of a table { "table.key" = value, ... } to a scene; `index` picks from lists where given.
+void apply(toml::table& scene, toml::table const& settings, std::optional<std::size_t> index,
+           std::string const& origin) {
+    for (auto const& [key, node] : settings) {
+        std::ostringstream value;
+        toml::node const* chosen = &node;
+        if (index && node.is_array()) chosen = node.as_array()->get(*index);
+        if (!chosen)
+            throw InputError(fmt::format("{}: {}: has no value for point {}", origin, key.str(), *index + 1));
+        chosen->visit([&](auto const& element) {
+            if constexpr (toml::is_value<decltype(element)> || toml::is_array<decltype(element)>)
+                value << element;
+        });
+        override_key(scene, fmt::format("{}={}", key.str(), value.str()), origin);
+    }
+}
+
+// Rough cost of a run, in pair and particle visits: good enough to start the longest first and to tell the
+// time that is left.
+double cost_of(Scene const& scene) {
+    double cutoff = 0.0;
+    if (scene.has_stage("shardlow")) cutoff = scene.shardlow.cutoff;
+    if (scene.has_stage("euler")) cutoff = std::max(cutoff, scene.euler.cutoff);
+    double const ball = scene.dimension == 2 ? std::numbers::pi : 4.0 * std::numbers::pi / 3.0;
+    double const pairs = 0.5 * scene.density() * ball * std::pow(cutoff, scene.dimension);
+    return double(scene.steps()) * double(scene.particles) * (4.0 + pairs);
+}
+
+}  // namespace
+
+double theory_for(Scene const& scene, std::string const& id) {
+    theory::ClosedForm const& form = *theory::find(id);
+    std::vector<std::pair<std::string, std::string>> given;
+    for (auto const& [name, text] : theory_arguments(scene)) {
+        auto const takes = [&](auto const& names) {
+            return std::find(names.begin(), names.end(), name) != names.end();
+        };
+        if (takes(form.parameters) || takes(form.without_effect)) given.emplace_back(name, text);
+    }
+    return theory::evaluate(id, given);
+}
+
+std::vector<std::string> figure_ids(std::filesystem::path const& verification) {
+    std::vector<std::string> ids;
+    std::error_code ignored;
+    for (auto const& entry : std::filesystem::directory_iterator(verification, ignored))
+        if (std::filesystem::exists(entry.path() / "figure.toml"))
+            ids.push_back(entry.path().filename().string());
+    std::sort(ids.begin(), ids.end());
+    return ids;
+}
+
+Figure load_figure(std::filesystem::path const& verification, std::string const& id,
+                   std::string const& budget) {
+    static constexpr std::array<std::string_view, 2> budgets{"paper", "quick"};
+    auto const path = verification / id / "figure.toml";
+    if (!std::filesystem::exists(path))
+        throw InputError(fmt::format("figure {}: unknown; allowed: all, {}", id,
+                                     fmt::join(figure_ids(verification), ", ")));
+    toml::table const document = parse_toml(read_file(path), path.string());
+    TomlReader root(document, "", path.string());
+    Figure figure;
+    figure.directory = verification / id;
+    figure.id = id;
+    figure.paper = root.text("paper", std::nullopt);
+    figure.number = root.text("figure", std::nullopt);
+    figure.title = root.text("title", std::nullopt);
+    figure.caption = root.text("caption", std::nullopt);
+    auto const base = root.table("scene");
+    if (!base) root.fail("scene", "is missing; allowed: a table [scene]");
+
+    std::uint64_t seeds = 0;
+    double duration_scale = 1.0;
+    toml::table budget_settings;
+    auto budget_tables = root.table("budget");
+    if (!budget_tables) root.fail("budget", "is missing; allowed: tables [budget.quick] and [budget.paper]");
+    for (auto const name : budgets) {
+        auto table = budget_tables->table(std::string(name));
+        if (!table) budget_tables->fail(std::string(name), "is missing; allowed: a table");
+        std::uint64_t const count = table->integer("seeds", std::nullopt, positive_integer);
+        double const scale = table->number("duration_scale", 1.0, positive);
+        auto settings = table->table("set");
+        table->finish();
+        if (name != budget) continue;
+        seeds = count;
+        duration_scale = scale;
+        if (settings) budget_settings = settings->raw();
+    }
+    budget_tables->finish();
+
+    for (auto& table : root.tables("curve")) {
+        FigureCurve curve;
+        curve.name = table.text("name", std::nullopt);
+        curve.label = table.text("label", curve.name);
+        curve.parameter = table.text("vary", std::nullopt);
+        auto const values = table.numbers("values", std::nullopt, any_number);
+        auto const settings = table.table("set"), along = table.table("along");
+        std::vector<double> const skip = table.numbers("paper_only", std::vector<double>{}, any_number);
+        curve.criteria = read_criteria(table);
+        table.finish();
+        for (std::size_t v = 0; v < values.size(); ++v) {
+            if (budget == "quick" && std::find(skip.begin(), skip.end(), values[v]) != skip.end()) continue;
+            toml::table scene = base->raw();
+            apply(scene, budget_settings, std::nullopt, path.string());
+            if (settings) apply(scene, settings->raw(), std::nullopt, path.string());
+            if (along) apply(scene, along->raw(), v, path.string());
+            override_key(scene, fmt::format("{}={}", curve.parameter, values[v]), path.string());
+            if (auto* const duration = scene.at_path("time.duration").node())
+                if (auto const time = duration->value<double>())
+                    override_key(scene, fmt::format("time.duration={}", *time * duration_scale),
+                                 path.string());
+            std::ostringstream text;
+            text << scene;
+            Point point;
+            point.curve = figure.curves.size();
+            point.x = values[v];
+            for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+                point.runs.push_back(parse_scene(
+                    text.str(),
+                    fmt::format("{} ({}, {} = {})", path.string(), curve.name, curve.parameter, values[v]),
+                    {}, seed));
+            figure.points.push_back(std::move(point));
+        }
+        figure.curves.push_back(std::move(curve));
+    }
+    root.finish();
+    return figure;
+}
+
+void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
+    struct Job {
+        Point* point;
+        std::size_t run;
+        double cost;
+        double done = 0.0;
+    };
+    std::filesystem::create_directories(options.cache);
+    std::vector<Job> jobs;
+    std::map<Point*, std::vector<Record>> records;
+    for (auto& figure : figures)
+        for (auto& point : figure.points) {
+            records[&point].resize(point.runs.size());
+            for (std::size_t run = 0; run < point.runs.size(); ++run)
+                jobs.push_back({&point, run, cost_of(point.runs[run])});
+        }
+    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
+    double total = 0.0;
+    for (auto const& job : jobs) total += job.cost;
+
+    Progress progress("figures");
+    std::mutex mutex;
+    std::exception_ptr failure;
+    std::atomic<std::size_t> next = 0;
+    std::atomic<bool> stop = false;
+    double done = 0.0;
+    auto const work = [&] {
+        for (std::size_t index = next++; index < jobs.size(); index = next++) {
+            if (stop || (options.stop && *options.stop)) return;
+            Job& job = jobs[index];
+            Scene const& scene = job.point->runs[job.run];
+            try {
+                RunOptions run_options;
+                run_options.output = options.cache / (scene.key() + ".h5");
+                run_options.stop = options.stop;
+                run_options.progress = [&](double fraction) {
+                    std::scoped_lock const lock(mutex);
+                    done += job.cost * (fraction - job.done);
+                    job.done = fraction;
+                    progress(done / total);
+                };
+                RunResult result = run(scene, run_options);
+                std::scoped_lock const lock(mutex);
+                job.point->seconds += result.seconds;
+                records[job.point][job.run] = std::move(result.record);
+            } catch (...) {
+                std::scoped_lock const lock(mutex);
+                if (!failure) failure = std::current_exception();
+                stop = true;
+            }
+        }
+    };
+    {
+        std::vector<std::jthread> threads;
+        for (unsigned t = 0; t < std::max(1u, options.jobs); ++t) threads.emplace_back(work);
+    }
+    if (failure) std::rethrow_exception(failure);
+    if (options.stop && *options.stop)
+        throw Interrupted("interrupted; finished runs are kept, run the command again to go on");
+    for (auto& figure : figures)
+        for (auto& point : figure.points) point.quantities = analyze(point.runs.front(), records[&point]);
+}
+
+std::vector<Comparison> compare(Figure const& figure) {
+    std::vector<Comparison> comparisons;
+    for (auto const& point : figure.points) {
+        auto const& curve = figure.curves[point.curve];
+        for (auto const& criterion : curve.criteria) {
+            Quantity const* const quantity = find_quantity(point.quantities, criterion.quantity);
+            if (!quantity)
+                throw InputError(fmt::format("figure {}, curve {}: its scene does not measure {}", figure.id,
+                                             curve.name, criterion.quantity));
+            Comparison comparison{.figure = figure.id, .curve = curve.name, .parameter = curve.parameter};
+            comparison.x = point.x;
+            comparison.criterion = criterion;
+            comparison.estimate = quantity->estimate;
+            comparison.runs = point.runs.size();
+            comparison.seconds = point.seconds;
+            if (criterion.theory == "value") {
+                comparison.theory = criterion.value;
+            } else if (criterion.theory.starts_with("curve:")) {
+                auto const other =
+                    std::find_if(figure.points.begin(), figure.points.end(), [&](Point const& p) {
+                        return "curve:" + figure.curves[p.curve].name == criterion.theory && p.x == point.x;
+                    });
+                Quantity const* const reference = other == figure.points.end()
+                                                      ? nullptr
+                                                      : find_quantity(other->quantities, criterion.quantity);
+                if (!reference)
+                    throw InputError(fmt::format("figure {}, curve {}: {} has no {} at {}", figure.id,
+                                                 curve.name, criterion.theory, criterion.quantity, point.x));
+                comparison.theory = reference->estimate.value;
+                comparison.theory_error = reference->estimate.error;
+            } else {
+                comparison.theory = theory_for(point.runs.front(), criterion.theory);
+            }
+            comparisons.push_back(std::move(comparison));
+        }
+    }
+    return comparisons;
+}
+
+namespace {
+
+// The measured value with the error of its difference from the theory (a measured reference has an error
+// too). Where the theory is a bound, a value on the allowed side stands as if it were on the bound itself.
+Estimate against_theory(Comparison const& comparison) {
+    Estimate estimate = comparison.estimate;
+    estimate.error = std::hypot(estimate.error, comparison.theory_error);
+    if (comparison.criterion.relation == Relation::at_most)
+        estimate.value = std::max(estimate.value, comparison.theory);
+    if (comparison.criterion.relation == Relation::at_least)
+        estimate.value = std::min(estimate.value, comparison.theory);
+    return estimate;
+}
+
+double false_alarm_of_one(std::size_t family) {
+    return family_false_alarm / double(std::max<std::size_t>(1, family));
+}
+
+}  // namespace
+
+Verdict judge(Comparison const& comparison, std::size_t family) {
+    auto const& criterion = comparison.criterion;
+    return judge(against_theory(comparison), comparison.theory, criterion.tolerance, criterion.resolution,
+                 false_alarm_of_one(family));
+}
+
+double seconds_to_decide(Comparison const& comparison, std::size_t family) {
+    auto const& criterion = comparison.criterion;
+    double const factor =
+        time_factor_to_decide(against_theory(comparison), comparison.theory, criterion.tolerance,
+                              criterion.resolution, false_alarm_of_one(family));
+    return comparison.seconds * (factor - 1.0);
+}
+
+// --- output ----------------------------------------------------------------------------------------------
+
+namespace {
+
+Json to_json(Comparison const& c) {
+    return {{"figure", c.figure},
+            {"curve", c.curve},
+            {"parameter", c.parameter},
+            {"x", c.x},
+            {"quantity", c.criterion.quantity},
+            {"value", c.estimate.value},
+            {"error", c.estimate.error},
+            {"blocks", c.estimate.blocks},
+            {"inefficiency", c.estimate.inefficiency},
+            {"theory", c.criterion.theory},
+            {"theory_value", c.theory},
+            {"theory_error", c.theory_error},
+            {"relation", name_of(c.criterion.relation)},
+            {"tolerance", c.criterion.tolerance},
+            {"resolution", c.criterion.resolution},
+            {"runs", c.runs},
+            {"seconds", c.seconds}};
+}
+
+Comparison from_json(Json const& json) {
+    Comparison c;
+    c.figure = json.at("figure");
+    c.curve = json.at("curve");
+    c.parameter = json.at("parameter");
+    c.x = json.at("x");
+    c.criterion.quantity = json.at("quantity");
+    c.estimate.value = json.at("value");
+    c.estimate.error = json.at("error").is_null() ? std::nan("") : json.at("error").get<double>();
+    c.estimate.blocks = json.at("blocks");
+    c.estimate.inefficiency = json.at("inefficiency");
+    c.criterion.theory = json.at("theory");
+    c.theory = json.at("theory_value");
+    c.theory_error = json.at("theory_error");
+    c.criterion.relation = relation_from_name(json.at("relation").get<std::string>());
+    c.criterion.tolerance = json.at("tolerance");
+    c.criterion.resolution = json.at("resolution");
+    c.runs = json.at("runs");
+    c.seconds = json.at("seconds");
+    return c;
+}
+
+// Writes beside the target and renames: a file is there whole or not at all.
+void write_file(std::filesystem::path const& path, std::string const& content) {
+    auto temporary = path;
+    temporary += ".part";
+    {
+        std::ofstream stream(temporary, std::ios::binary);
+        stream << content;
+        stream.flush();
+        if (!stream) throw InputError(fmt::format("{}: cannot be written", path.string()));
+    }
+    std::filesystem::rename(temporary, path);
+}
+
+// Closed forms between the first and the last point of each curve, for the lines of the plot.
+std::string theory_lines(Figure const& figure) {
+    constexpr int samples = 100;
+    std::string text;
+    for (std::size_t c = 0; c < figure.curves.size(); ++c) {
+        auto const& curve = figure.curves[c];
+        std::vector<Point const*> points;
+        for (auto const& point : figure.points)
+            if (point.curve == c) points.push_back(&point);
+        if (points.size() < 2) continue;
+        auto const [low, high] =
+            std::minmax_element(points.begin(), points.end(), [](auto* a, auto* b) { return a->x < b->x; });
+        for (auto const& criterion : curve.criteria) {
+            if (theory::find(criterion.theory) == nullptr) continue;
+            text += fmt::format("# {}:{}\n", curve.name, criterion.quantity);
+            for (int s = 0; s <= samples; ++s) {
+                double const x = (*low)->x * std::pow((*high)->x / (*low)->x, double(s) / samples);
+                Scene const scene = parse_scene((*low)->runs.front().text, "theory line",
+                                                {fmt::format("{}={}", curve.parameter, x)});
+                text += fmt::format("{:.10g} {:.10g}\n", x, theory_for(scene, criterion.theory));
+            }
+            text += "\n\n";
+        }
+    }
+    return text;
+}
+
+// Breaks a caption into lines that fit below the plot.
+std::string wrapped(std::string const& text) {
+    constexpr std::size_t width = 105;
+    std::istringstream words(text);
+    std::string word, line, result;
+    while (words >> word) {
+        if (!line.empty() && line.size() + 1 + word.size() > width) {
+            result += line + "\n";
+            line.clear();
+        }
+        line += (line.empty() ? "" : " ") + word;
+    }
+    return result + line;
+}
+
+}  // namespace
+
+void write_figure(Figure const& figure, std::vector<Comparison> const& comparisons, std::string const& budget,
+                  std::filesystem::path const& output) {
+    std::filesystem::create_directories(output / "data");
+    auto const data = output / "data" / (figure.id + ".dat");
+    auto const lines = output / "data" / (figure.id + ".theory.dat");
+
+    double seconds = 0.0;
+    for (auto const& point : figure.points) seconds += point.seconds;
+    std::map<std::string, std::string> blocks;
+    std::vector<std::string> order;
+    for (auto const& c : comparisons) {
+        std::string const name = c.curve + ":" + c.criterion.quantity;
+        if (!blocks.contains(name)) order.push_back(name);
+        double const scale = c.theory != 0.0 ? 1.0 / c.theory : 1.0;
+        blocks[name] +=
+            fmt::format("{:.10g} {:.10g} {:.4g} {:.10g} {:.6g} {:.4g} {} {} {:.1f}\n", c.x, c.estimate.value,
+                        c.estimate.error, c.theory, (c.estimate.value - c.theory) * scale,
+                        std::hypot(c.estimate.error, c.theory_error) * std::abs(scale), c.estimate.blocks,
+                        name_of(judge(c, comparisons.size())), c.seconds);
+    }
+    std::string text = fmt::format(
+        "# {} figure {}, budget {}; dpdref {}, engine revision {}; run time {:.0f} s\n"
+        "# columns: x, value, standard error, theory, relative deviation, its error, blocks, verdict, "
+        "seconds\n\n\n",
+        figure.paper, figure.number, budget, version, engine_revision, seconds);
+    for (auto const& name : order) text += fmt::format("# {}\n{}\n\n", name, blocks[name]);
+    write_file(data, text);
+    write_file(lines, theory_lines(figure));
+
+    Json json{{"figure", figure.id},
+              {"paper", figure.paper},
+              {"number", figure.number},
+              {"budget", budget},
+              {"engine_revision", engine_revision},
+              {"seconds", seconds}};
+    for (auto const& c : comparisons) json["comparisons"].push_back(to_json(c));
+    write_file(output / "data" / (figure.id + ".json"), json.dump(1) + "\n");
+
+    auto const quoted = [](std::string const& plain) {
+        std::string q = "\"";
+        for (char const c : plain)
+            q += c == '"' || c == '\\' ? std::string{'\\', c} : c == '\n' ? "\\n" : std::string{c};
+        return q + "\"";
+    };
+    auto const script = output / "data" / (figure.id + ".gp");
+    std::string const stem = (output / figure.id).string();
+    std::string const plot = quoted((figure.directory / "plot.gp").string());
+    write_file(
+        script,
+        fmt::format(
+            "data = {}\nlines = {}\ntitle_text = {}\ncaption = {}\nload {}\n", quoted(data.string()),
+            quoted(lines.string()), quoted(figure.title),
+            quoted(wrapped(fmt::format("{} Fig. {}. {} Run time {} ({} budget).", figure.paper, figure.number,
+                                       figure.caption, duration_text(seconds), budget))),
+            quoted((figure.directory.parent_path() / "style.gp").string())) +
+            fmt::format("caption_size = '11'\nset terminal svg size 800,800 font 'DejaVu Sans,14' background "
+                        "'white'\n"
+                        "set output {}\nload {}\n",
+                        quoted(stem + ".svg"), plot) +
+            fmt::format("caption_size = '15'\nset terminal pngcairo size 1120,1120 font 'DejaVu Sans,20'\n"
+                        "set output {}\nload {}\n",
+                        quoted(stem + ".png"), plot));
+    std::string const command = fmt::format("gnuplot '{}'", script.string());
+    int const status = std::system(command.c_str());
+    std::filesystem::remove(script);
+    if (status != 0) throw InputError(fmt::format("figure {}: gnuplot failed; is it installed?", figure.id));
+}
+
+std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {
+    std::vector<Comparison> comparisons;
+    std::vector<std::filesystem::path> files;
+    std::error_code ignored;
+    for (auto const& entry : std::filesystem::directory_iterator(output / "data", ignored))
+        if (entry.path().extension() == ".json" && entry.path().stem() != "report")
+            files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (auto const& file : files) {
+        try {
+            for (auto const& json : Json::parse(read_file(file)).at("comparisons"))
+                comparisons.push_back(from_json(json));
+        } catch (Json::exception const& error) {
+            throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+        }
+    }
+    return comparisons;
+}
+
+bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
+    std::string csv =
+        "figure,curve,parameter,x,quantity,value,error,theory,theory_value,deviation_percent,z,"
+        "tolerance,verdict,seconds,seconds_to_1_percent,more_seconds_to_decide\n";
+    Json json = Json::array();
+    std::map<Verdict, std::size_t> count;
+    fmt::print("{:<11} {:<22} {:>8} {:<28} {:>12} {:>10} {:>12} {:>8} {:>7} {:<10} {:>8} {:>8}\n", "figure",
+               "curve", "x", "quantity", "value", "error", "theory", "dev. %", "z", "verdict", "time",
+               "to 1 %");
+    for (auto const& c : comparisons) {
+        Verdict const verdict = judge(c, comparisons.size());
+        ++count[verdict];
+        double const error = std::hypot(c.estimate.error, c.theory_error);
+        double const z = error > 0.0 ? (c.estimate.value - c.theory) / error : 0.0;
+        double const deviation = c.theory != 0.0 ? 100.0 * (c.estimate.value / c.theory - 1.0) : 0.0;
+        double const to_one_percent = c.seconds * std::pow(c.estimate.error / (0.01 * c.estimate.value), 2);
+        double const more = seconds_to_decide(c, comparisons.size());
+        fmt::print(
+            "{:<11} {:<22} {:>8.4g} {:<28} {:>12.6g} {:>10.2g} {:>12.6g} {:>8.2f} {:>7.1f} {:<10} {:>8} "
+            "{:>8}\n",
+            c.figure, c.curve, c.x, c.criterion.quantity, c.estimate.value, c.estimate.error, c.theory,
+            deviation, z, name_of(verdict), duration_text(c.seconds), duration_text(to_one_percent));
+        if (verdict == Verdict::undecided)
+            fmt::print("{:>11} {} more would decide\n", "",
+                       std::isfinite(more) ? duration_text(more) : "no run time");
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.figure, c.curve,
+                           c.parameter, c.x, c.criterion.quantity, c.estimate.value, c.estimate.error,
+                           c.criterion.theory, c.theory, deviation, z, c.criterion.tolerance,
+                           name_of(verdict), c.seconds, to_one_percent, more);
+        Json row = to_json(c);
+        row["z"] = z;
+        row["verdict"] = name_of(verdict);
+        row["seconds_to_1_percent"] = to_one_percent;
+        row["more_seconds_to_decide"] = more;
+        json.push_back(std::move(row));
+    }
+    fmt::print(
+        "{} comparisons: {} agree, {} disagree, {} undecided; false-alarm rate of the whole table {} %\n",
+        comparisons.size(), count[Verdict::agrees], count[Verdict::disagrees], count[Verdict::undecided],
+        100.0 * family_false_alarm);
+    write_file(output / "report.csv", csv);
+    write_file(output / "report.json", json.dump(1) + "\n");
+    return count[Verdict::disagrees] == 0;
+}
+
+}  // namespace dpd

@@ -1,0 +1,242 @@
+// The command line: `dpdref theory | run | figure | report`. Exit codes: 0 done, 1 a verdict is "disagrees",
+// 2 bad input, 3 the simulation diverged, 130 interrupted (run again to resume).
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "errors.hpp"
+#include "figure.hpp"
+#include "progress.hpp"
+#include "run.hpp"
+#include "theory/registry.hpp"
+#include "version.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int exit_disagrees = 1, exit_bad_input = 2, exit_diverged = 3, exit_interrupted = 130;
+
+std::atomic<bool> stop_requested = false;
+
+extern "C" void request_stop(int) { stop_requested = true; }
+
+// --- theory ----------------------------------------------------------------------------------------------
+
+void list_theory(bool json) {
+    namespace theory = dpd::theory;
+    Json list = Json::array();
+    for (auto const& form : theory::closed_forms()) {
+        std::string parameters;
+        for (auto const& parameter : theory::parameters())
+            if (std::find(form.parameters.begin(), form.parameters.end(), parameter.name) !=
+                form.parameters.end())
+                parameters +=
+                    fmt::format(" {}{}", parameter.name,
+                                parameter.default_text ? fmt::format("={}", *parameter.default_text) : "");
+        if (json)
+            list.push_back({{"id", form.id},
+                            {"paper", form.paper},
+                            {"equation", form.equation},
+                            {"quantity", form.quantity},
+                            {"formula", form.formula},
+                            {"parameters", form.parameters}});
+        else
+            fmt::print("{:<11} {:<8} {:<14} {:<32}{}\n", form.id, form.paper, form.equation, form.quantity,
+                       parameters);
+    }
+    if (json) fmt::print("{}\n", list.dump(1));
+}
+
+void evaluate_theory(std::string const& id, std::vector<std::string> const& assignments, bool json) {
+    std::vector<std::pair<std::string, std::string>> given;
+    for (auto const& assignment : assignments) {
+        auto const equals = assignment.find('=');
+        if (equals == std::string::npos)
+            throw dpd::InputError(fmt::format("{}: not an assignment; allowed: key=value", assignment));
+        given.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
+    }
+    double const value = dpd::theory::evaluate(id, given);
+    auto const& form = *dpd::theory::find(id);
+    if (json) {
+        Json result{
+            {"id", id}, {"paper", form.paper}, {"equation", form.equation}, {"quantity", form.quantity}};
+        for (auto const& [name, text] : given) result["parameters"][name] = text;
+        result["value"] = value;
+        fmt::print("{}\n", result.dump());
+    } else {
+        fmt::print("{}, {} eq. {}: {}\n{:.12g}\n", form.quantity, form.paper, form.equation, form.formula,
+                   value);
+    }
+}
+
+// --- run -------------------------------------------------------------------------------------------------
+
+void print_result(dpd::Scene const& scene, dpd::RunResult const& result, bool json) {
+    auto const quantities = dpd::analyze(scene, {result.record});
+    auto const& counters = result.counters;
+    double const cost = 1e9 * result.seconds /
+                        (double(std::max<std::uint64_t>(1, counters.steps)) * double(result.particles));
+    if (json) {
+        Json output{
+            {"title", scene.title}, {"key", scene.key()}, {"seed", scene.seed}, {"seconds", result.seconds}};
+        for (auto const& q : quantities)
+            output["quantities"][q.name] = {
+                {"value", q.estimate.value}, {"error", q.estimate.error}, {"blocks", q.estimate.blocks}};
+        output["counters"] = {{"steps", counters.steps},
+                              {"searches", counters.searches},
+                              {"pairs_found", counters.pairs_found},
+                              {"pair_updates", counters.pair_updates},
+                              {"potential_evaluations", counters.potential_evaluations},
+                              {"random_draws", counters.random_draws},
+                              {"boundary_pairs", counters.boundary_pairs},
+                              {"coincident_pairs", counters.coincident_pairs}};
+        output["bytes"] = result.bytes;
+        output["nanoseconds_per_particle_and_step"] = cost;
+        fmt::print("{}\n", output.dump(1));
+        return;
+    }
+    fmt::print("{}\n{} particles, {} steps, {} ({:.0f} ns per particle and step){}\n", scene.title,
+               result.particles, counters.steps, dpd::duration_text(result.seconds), cost,
+               result.from_cache ? ", read from file" : "");
+    for (auto const& q : quantities) {
+        if (std::isfinite(q.estimate.error) && q.estimate.error > 0.0)
+            fmt::print("  {:<30} {:>14.6g} +- {:<9.2g} ({} blocks)\n", q.name, q.estimate.value,
+                       q.estimate.error, q.estimate.blocks);
+        else
+            fmt::print("  {:<30} {:>14.6g}\n", q.name, q.estimate.value);
+    }
+    fmt::print(
+        "  pairs found {}, updated {}; random draws {}; potential evaluations {}; coincident pairs {}\n",
+        counters.pairs_found, counters.pair_updates, counters.random_draws, counters.potential_evaluations,
+        counters.coincident_pairs);
+    if (counters.coincident_pairs > 0)
+        fmt::print(stderr, "dpdref: warning: {} pairs at r = 0 had no direction and did not interact\n",
+                   counters.coincident_pairs);
+}
+
+std::filesystem::path default_verification() {
+    if (std::filesystem::is_directory("verification")) return "verification";
+    return DPDREF_DATA_DIR "/verification";
+}
+
+int dispatch(int argc, char** argv) {
+    CLI::App app{"Reference implementation of dissipative particle dynamics at finite time step", "dpdref"};
+    app.set_version_flag("--version", fmt::format("dpdref {} (engine revision {}; {} {})", dpd::version,
+                                                  dpd::engine_revision, dpd::compiler, dpd::build_flags));
+    app.require_subcommand(1);
+
+    bool json = false;
+    std::string id;
+    std::vector<std::string> assignments;
+    auto* const theory = app.add_subcommand("theory", "list the closed forms, or evaluate one");
+    theory->add_option("id", id, "id of a closed form");
+    theory->add_option("parameters", assignments, "key=value ...");
+    theory->add_flag("--json", json, "print JSON");
+
+    std::string scene_file;
+    std::optional<std::string> out;
+    std::vector<std::string> overrides;
+    std::optional<std::uint64_t> seed;
+    auto* const run = app.add_subcommand("run", "run a scene");
+    run->add_option("scene", scene_file, "TOML file")->required();
+    run->add_option("--set", overrides, "table.key=value, on top of the file")->allow_extra_args(false);
+    run->add_option("--seed", seed, "seed of all noise, 0 to 2^64-1");
+    run->add_option("--out", out, "HDF5 file of results, checkpoints and provenance");
+    run->add_flag("--json", json, "print JSON");
+
+    std::vector<std::string> ids;
+    std::string budget = "quick";
+    std::string cache = ".dpdref-cache";
+    std::string figures_dir;
+    std::string verification = default_verification().string();
+    unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+    auto* const figure = app.add_subcommand("figure", "regenerate figures");
+    figure->add_option("ids", ids, "figure ids, or all")->required();
+    figure->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
+    figure->add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
+    figure->add_option("--out", figures_dir, "directory (default figures, or figures/quick)");
+    figure->add_option("--cache", cache, "directory of finished and unfinished runs");
+    figure->add_option("--verification", verification, "directory of the figures' definitions");
+
+    std::string report_dir = "figures";
+    auto* const report =
+        app.add_subcommand("report", "print every comparison; write report.csv and report.json");
+    report->add_option("--figures", report_dir, "directory of the regenerated figures");
+
+    try {
+        app.parse(argc, argv);
+    } catch (CLI::ParseError const& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);
+        throw dpd::InputError(fmt::format("{} (see dpdref --help)", error.what()));
+    }
+
+    if (theory->parsed()) {
+        if (id.empty())
+            list_theory(json);
+        else
+            evaluate_theory(id, assignments, json);
+    } else if (run->parsed()) {
+        dpd::Scene const scene = dpd::load_scene(scene_file, overrides, seed);
+        dpd::RunOptions options;
+        if (out) options.output = *out;
+        options.stop = &stop_requested;
+        dpd::RunResult result;
+        {
+            dpd::Progress progress(scene.title.empty() ? scene_file : scene.title);
+            options.progress = [&](double fraction) { progress(fraction); };
+            result = dpd::run(scene, options);
+        }
+        print_result(scene, result, json);
+    } else if (figure->parsed()) {
+        if (ids == std::vector<std::string>{"all"}) ids = dpd::figure_ids(verification);
+        if (ids.empty()) throw dpd::InputError(fmt::format("{}: holds no figures", verification));
+        std::vector<dpd::Figure> figures;
+        for (auto const& name : ids) figures.push_back(dpd::load_figure(verification, name, budget));
+        std::filesystem::path const output = !figures_dir.empty() ? figures_dir
+                                             : budget == "quick"  ? "figures/quick"
+                                                                  : "figures";
+        dpd::run_points(figures, {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested});
+        std::vector<dpd::Comparison> all;
+        for (auto const& f : figures) {
+            auto const comparisons = dpd::compare(f);
+            dpd::write_figure(f, comparisons, budget, output);
+            all.insert(all.end(), comparisons.begin(), comparisons.end());
+        }
+        if (!dpd::report(all, output)) return exit_disagrees;
+    } else if (report->parsed()) {
+        auto const comparisons = dpd::load_comparisons(report_dir);
+        if (comparisons.empty())
+            throw dpd::InputError(
+                fmt::format("{}: holds no figure data; run dpdref figure first", report_dir));
+        if (!dpd::report(comparisons, report_dir)) return exit_disagrees;
+    }
+    return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::signal(SIGINT, request_stop);
+    std::signal(SIGTERM, request_stop);
+    auto const complain = [](char const* what, int code) {
+        fmt::print(stderr, "dpdref: {}\n", what);
+        return code;
+    };
+    try {
+        return dispatch(argc, argv);
+    } catch (dpd::Diverged const& error) {
+        return complain(error.what(), exit_diverged);
+    } catch (dpd::Interrupted const& error) {
+        return complain(error.what(), exit_interrupted);
+    } catch (std::exception const& error) {
+        // InputError; or the closed forms' invalid_argument and domain_error; or a full disk
+        return complain(error.what(), exit_bad_input);
+    }
+}

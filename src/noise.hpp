@@ -1,0 +1,31 @@
+/// @file
+/// Counter-based noise: a pure function of (seed, step, stream, who), so that no loop order changes it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace dpd {
+
+/// Which noise: `stream` separates the stages of one step that draw (their place in the stage list).
+struct NoiseKey {
+    std::uint64_t seed = 0;
+    std::uint64_t step = 0;  ///< below 2^56
+    std::uint8_t stream = 0;
+};
+
+/// Streams outside any stage list.
+inline constexpr std::uint8_t stream_positions = 254;
+inline constexpr std::uint8_t stream_velocities = 255;
+
+/// Standard normal of the ordered pair (a, b).
+double normal(NoiseKey key, std::uint32_t a, std::uint32_t b);
+
+/// Uniform in [0, 1) of the ordered pair (a, b), independent of `normal` of another stream.
+double uniform(NoiseKey key, std::uint32_t a, std::uint32_t b);
+
+/// out[k] = normal of the unordered pair {id[i[k]], id[j[k]]}; all spans of i, j, out have one length.
+void pair_normals(NoiseKey key, std::span<std::uint32_t const> i, std::span<std::uint32_t const> j,
+                  std::uint32_t const* id, std::span<double> out);
+
+}  // namespace dpd

@@ -1,0 +1,108 @@
+/// @file
+/// The pair search shared by all stages of a step.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "box.hpp"
+#include "noise.hpp"
+#include "particles.hpp"
+#include "simd_pairs.hpp"
+
+namespace dpd {
+
+/// Pairs closer than the cutoff, each once. Pairs from `boundary` on cross the upper Lees-Edwards boundary:
+/// their j stands for an image that moves at +image_speed along x. Arrays may be longer than `count`.
+template <int d>
+struct PairList {
+    std::size_t count = 0;
+    std::size_t boundary = 0;
+    std::size_t coincident = 0;               ///< pairs at r = 0: no direction, so no interaction
+    std::vector<std::uint32_t> i, j;          ///< rows of the particle state
+    std::array<std::vector<double>, d> unit;  ///< (r_i - r_j)/r
+    std::vector<double> distance;             ///< r, in (0, cutoff)
+    std::vector<double> impulse;              ///< change of i's velocity along `unit` in the last pair update
+
+    void clear() { count = boundary = coincident = 0; }
+    void grow_to(std::size_t size);
+    std::size_t bytes() const;
+};
+
+enum class Search {
+    cell,   ///< linked to a grid of cells at least a cutoff wide
+    brute,  ///< all N(N-1)/2 pairs: the reference that the cell search is tested against
+};
+
+/// In which order sequential updates (Shardlow, Lowe) visit the pairs. NG2007 leaves it open.
+enum class Order {
+    cell,    ///< as found: neighbours in space follow each other in the sequence
+    id,      ///< by particle ids: independent of the search
+    random,  ///< a new random permutation at each search
+};
+
+/// Finds pairs; keeps its work arrays between calls.
+template <int d>
+class PairSearch {
+public:
+    Search search = Search::cell;
+    Order order = Order::cell;
+    double cutoff = 1.0;
+
+    /// Refuses (InputError) a box in which a particle could meet two images of another: the minimum image
+    /// needs sides of at least two cutoffs.
+    void check(Box<d> const& box) const;
+
+    /// Fills `pairs` for the state at `time`. `key` feeds Order::random alone.
+    void find(Particles<d> const& particles, Box<d> const& box, double time, NoiseKey key,
+              PairList<d>& pairs);
+
+    /// Puts the state's rows into cell order, so that partners are near in memory.
+    void sort_particles(Particles<d>& particles, Box<d> const& box, double time);
+
+    /// Bytes held by the work arrays.
+    std::size_t bytes() const;
+
+private:
+    struct Entry {
+        Vec<d> position;
+        std::array<int, d> cell;
+        std::uint32_t row;
+    };
+
+    void find_by_brute_force(Particles<d> const&, Box<d> const&, double time, PairList<d>&);
+    void find_by_cells(Particles<d> const&, Box<d> const&, double time, PairList<d>&);
+    void sort_into_cells(Particles<d> const&, Box<d> const&, double time);
+    void add_images(Box<d> const&, double time);
+    void search_layer(int y, bool within, bool above, PairList<d>&);
+    void separate(Particles<d> const&, simd::Geometry<d> const&, std::size_t begin, PairList<d>&) const;
+    simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;
+    void reorder(Particles<d> const&, NoiseKey, PairList<d>&) const;
+    int row_begin(int y, int x) const;
+    std::size_t cell_of(Entry const& entry) const {
+        return static_cast<std::size_t>(row_begin(entry.cell[1], entry.cell[0]) + entry.cell[contiguous] +
+                                        reach);
+    }
+
+    // Cells are at least a cutoff wide in y and x; along the last axis, where neighbouring cells are
+    // contiguous in memory, thinner by `reach`. They are numbered along y (slowest), x, z. The grid is padded
+    // by images: one layer above in y, a cutoff on either side along the other axes, so that the search knows
+    // no boundary.
+    static constexpr int contiguous = d == 3 ? 2 : 0;
+    static constexpr int reach = 4;
+    std::array<int, d> cells_{};
+    std::vector<Entry> entries_;
+    std::vector<int> cell_begin_;
+    std::array<std::vector<double>, d> sorted_;  // positions of particles and images, by cell
+    std::vector<std::uint32_t> owner_;           // row of the particle behind each of them
+};
+
+extern template struct PairList<2>;
+extern template struct PairList<3>;
+extern template class PairSearch<2>;
+extern template class PairSearch<3>;
+
+}  // namespace dpd

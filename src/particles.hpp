@@ -1,0 +1,37 @@
+/// @file
+/// The particle state: structure of arrays, one contiguous column per Cartesian axis.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace dpd {
+
+template <int d>
+using Vec = Eigen::Vector<double, d>;
+
+/// One row per particle, one contiguous column per axis.
+template <int d>
+using Field = Eigen::Array<double, Eigen::Dynamic, d>;
+
+/// N particles of equal mass. Rows are kept roughly in cell order; `id` names a particle for good.
+template <int d>
+struct Particles {
+    Field<d> position;  ///< inside the primary box
+    Field<d> velocity;  ///< laboratory frame
+    Eigen::Array<std::int32_t, Eigen::Dynamic, d>
+        image;  ///< boxes travelled; unwrapped = position + image*length
+    Eigen::Array<std::uint32_t, Eigen::Dynamic, 1> id;  ///< 0 .. N-1
+    double mass = 1.0;
+
+    Eigen::Index size() const { return position.rows(); }
+
+    void resize(Eigen::Index n) {
+        position.setZero(n, d);
+        velocity.setZero(n, d);
+        image.setZero(n, d);
+        id.setLinSpaced(n, 0, static_cast<std::uint32_t>(n > 0 ? n - 1 : 0));
+    }
+};
+
+}  // namespace dpd

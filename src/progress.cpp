@@ -1,0 +1,41 @@
+#include "progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace dpd {
+
+std::string duration_text(double seconds) {
+    if (seconds < 10.0) return fmt::format("{:.1f} s", seconds);
+    auto const whole = static_cast<long>(seconds + 0.5);
+    if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+Progress::Progress(std::string title)
+    : title_(std::move(title)),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      start_(std::chrono::steady_clock::now()),
+      last_(start_ - std::chrono::hours(1)) {}
+
+Progress::~Progress() {
+    if (terminal_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::operator()(double fraction) {
+    if (!terminal_) return;
+    std::scoped_lock const lock(mutex_);
+    auto const now = std::chrono::steady_clock::now();
+    if (first_ < 0.0) first_ = fraction;
+    if (now - last_ < std::chrono::milliseconds(200)) return;
+    last_ = now;
+    double const elapsed = std::chrono::duration<double>(now - start_).count();
+    double const done = fraction - first_;
+    fmt::print(stderr, "\r\033[K{} {:5.1f} %  {} left", title_, 100.0 * fraction,
+               done > 0.0 ? duration_text(elapsed * (1.0 - fraction) / done) : std::string("?"));
+    std::fflush(stderr);
+}
+
+}  // namespace dpd

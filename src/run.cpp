@@ -1,0 +1,351 @@
+#include "run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "stages.hpp"
+#include "storage.hpp"
+#include "version.hpp"
+
+namespace dpd {
+namespace {
+
+// kT may exceed what the scene sets by this factor before the run counts as diverged; Euler runs just below
+// their critical step stay far below it.
+constexpr double divergence_factor = 1e6;
+
+template <int d>
+Stage<d> make_stage(Scene const& scene, std::string const& name,
+                    std::function<void(Simulation<d>&)> const& sample) {
+    if (name == "shardlow") {
+        auto const& p = scene.shardlow;
+        return {name,
+                Shardlow<d>{.friction = p.friction, .weight = p.weight, .cutoff = p.cutoff, .kT = p.kT}};
+    }
+    if (name == "euler") {
+        auto const& p = scene.euler;
+        return {name, EulerImpulses<d>{.gamma = p.gamma,
+                                       .sigma = p.sigma,
+                                       .weight = p.weight,
+                                       .random_weight = p.random_weight.value_or(p.weight),
+                                       .matched = !p.random_weight,
+                                       .cutoff = p.cutoff}};
+    }
+    if (name == "kick") return {name, Kick<d>{}};
+    if (name == "drift") return {name, Drift<d>{}};
+    if (name == "scatter") return {name, Scatter<d>{}};
+    return {name, [sample](Simulation<d>& simulation, NoiseKey) {
+                if (sample) sample(simulation);
+            }};
+}
+
+// Everything a run needs to go on as if it had never stopped.
+template <int d>
+void archive_state(Archive& archive, Simulation<d>& simulation) {
+    archive("checkpoint/position", simulation.particles.position);
+    archive("checkpoint/velocity", simulation.particles.velocity);
+    archive("checkpoint/image", simulation.particles.image);
+    archive("checkpoint/id", simulation.particles.id);
+    archive("checkpoint/time", simulation.time);
+    archive("checkpoint/step", simulation.step);
+}
+
+void archive_counters(Archive& archive, Counters& counters) {
+    archive("dpdref/counters/steps", counters.steps);
+    archive("dpdref/counters/searches", counters.searches);
+    archive("dpdref/counters/pairs_found", counters.pairs_found);
+    archive("dpdref/counters/pair_updates", counters.pair_updates);
+    archive("dpdref/counters/potential_evaluations", counters.potential_evaluations);
+    archive("dpdref/counters/random_draws", counters.random_draws);
+    archive("dpdref/counters/boundary_pairs", counters.boundary_pairs);
+    archive("dpdref/counters/coincident_pairs", counters.coincident_pairs);
+}
+
+// The file of one run. Its state is "complete", "interrupted" (with a checkpoint) or "diverged: ...".
+template <int d>
+class RunFile {
+public:
+    RunFile(Scene const& scene, std::filesystem::path path) : scene_(scene), path_(std::move(path)) {}
+
+    void save(std::string status, Simulation<d>& simulation, Recorder<d>& recorder, double seconds) const {
+        Archive archive(path_, Archive::Mode::write);
+        archive.describe_as_h5md();
+        std::string key = scene_.key(), text = scene_.text;
+        std::uint64_t seed = scene_.seed, bytes = simulation.bytes();
+        std::string program = fmt::format("dpdref {}", version),
+                    built = fmt::format("{} {}", compiler, build_flags);
+        archive("dpdref/status", status);
+        archive("dpdref/key", key);
+        archive("dpdref/scene", text);
+        archive("dpdref/seed", seed);
+        archive("dpdref/program", program);
+        archive("dpdref/compiler", built);
+        archive("dpdref/seconds", seconds);
+        archive("dpdref/bytes", bytes);
+        archive_counters(archive, simulation.counters);
+        recorder.archive(archive);
+        if (status == "interrupted") archive_state(archive, simulation);
+        archive.commit();
+    }
+
+    // Restores a checkpoint or a result; false if there is no file yet, or one that diverged.
+    bool load(Simulation<d>& simulation, Recorder<d>& recorder, double& seconds, bool& complete) const {
+        if (!std::filesystem::exists(path_)) return false;
+        Archive archive(path_, Archive::Mode::read);
+        std::string key, status;
+        if (archive.has("dpdref/key")) archive("dpdref/key", key);
+        if (key != scene_.key())
+            throw InputError(
+                fmt::format("{}: exists and is not a result of this scene and seed; allowed: a new file",
+                            path_.string()));
+        archive("dpdref/status", status);
+        complete = status == "complete";
+        if (!complete && status != "interrupted") return false;
+        archive("dpdref/seconds", seconds);
+        archive_counters(archive, simulation.counters);
+        recorder.archive(archive);
+        if (!complete) {
+            archive_state(archive, simulation);
+            simulation.positions_changed();
+        }
+        return true;
+    }
+
+private:
+    Scene const& scene_;
+    std::filesystem::path path_;
+};
+
+template <int d>
+void append_frame(Trajectory& trajectory, Simulation<d> const& simulation) {
+    auto const& particles = simulation.particles;
+    auto const count = static_cast<std::size_t>(particles.size());
+    std::vector<double> position(count * d), velocity(count * d);
+    std::vector<std::int32_t> image(count * d);
+    for (Eigen::Index p = 0; p < particles.size(); ++p)
+        for (int axis = 0; axis < d; ++axis) {
+            std::size_t const slot = std::size_t{particles.id[p]} * d + static_cast<std::size_t>(axis);
+            position[slot] = particles.position(p, axis);
+            velocity[slot] = particles.velocity(p, axis);
+            image[slot] = particles.image(p, axis);
+        }
+    trajectory.append(simulation.step, simulation.time, position, velocity, image);
+}
+
+template <int d>
+RunResult run_in(Scene const& scene, RunOptions const& options) {
+    using Clock = std::chrono::steady_clock;
+    std::unique_ptr<Recorder<d>> recorder;
+    Simulation<d> simulation = build<d>(scene, [&recorder](Simulation<d>& s) { (*recorder)(s); });
+    recorder = std::make_unique<Recorder<d>>(scene.sample, simulation);
+
+    double earlier_seconds = 0.0;
+    bool complete = false;
+    std::optional<RunFile<d>> file;
+    if (options.output) file.emplace(scene, *options.output);
+    bool const resumed = file && file->load(simulation, *recorder, earlier_seconds, complete);
+    RunResult result;
+    result.particles = scene.particles;
+    if (complete) {
+        result.from_cache = true;
+    } else {
+        // an output that cannot be written is refused before the work, not after it
+        if (file && !resumed) file->save("interrupted", simulation, *recorder, 0.0);
+        std::unique_ptr<Trajectory> trajectory;
+        if (scene.trajectory_interval > 0 && options.output)
+            trajectory = std::make_unique<Trajectory>(
+                std::filesystem::path(*options.output).replace_extension(".h5md"), scene.length,
+                scene.particles, scene.shear_rate, simulation.step);
+        auto const start = Clock::now();
+        auto const seconds = [&] {
+            return earlier_seconds + std::chrono::duration<double>(Clock::now() - start).count();
+        };
+        auto last_checkpoint = start, last_progress = start;
+        try {
+            while (simulation.step < scene.steps()) {
+                simulation.advance();
+                if (trajectory && simulation.step % scene.trajectory_interval == 0)
+                    append_frame(*trajectory, simulation);
+                auto const now = Clock::now();
+                if (options.progress && now - last_progress > std::chrono::milliseconds(200)) {
+                    options.progress(double(simulation.step) / double(scene.steps()));
+                    last_progress = now;
+                }
+                bool const stop = options.stop && *options.stop && simulation.step < scene.steps();
+                if (file && (stop || now - last_checkpoint >
+                                         std::chrono::duration<double>(scene.checkpoint_seconds))) {
+                    file->save("interrupted", simulation, *recorder, seconds());
+                    last_checkpoint = now;
+                }
+                if (stop)
+                    throw Interrupted(
+                        fmt::format("interrupted at step {} of {}", simulation.step, scene.steps()));
+            }
+        } catch (Diverged const& divergence) {
+            if (file)
+                file->save(fmt::format("diverged: {}", divergence.what()), simulation, *recorder, seconds());
+            throw;
+        }
+        earlier_seconds = seconds();
+        if (file) file->save("complete", simulation, *recorder, earlier_seconds);
+    }
+    if (options.progress) options.progress(1.0);
+    result.record = recorder->record();
+    result.counters = simulation.counters;
+    result.seconds = earlier_seconds;
+    result.bytes = simulation.bytes();
+    return result;
+}
+
+// --- analysis --------------------------------------------------------------------------------------------
+
+std::vector<std::vector<double>> series_of(std::vector<Record> const& records, std::string const& name) {
+    std::vector<std::vector<double>> runs;
+    for (auto const& record : records)
+        if (auto const found = record.series.find(name); found != record.series.end())
+            runs.push_back(found->second);
+    return runs;
+}
+
+std::vector<Curve const*> curves_of(std::vector<Record> const& records, std::string const& name) {
+    std::vector<Curve const*> curves;
+    for (auto const& record : records)
+        if (auto const found = record.curves.find(name); found != record.curves.end())
+            curves.push_back(&found->second);
+    return curves;
+}
+
+// Evaluates `f(means)` for each block of each curve, where means(bin) is the block's mean in that bin.
+template <class F>
+Estimate by_block(std::vector<Curve const*> const& curves, F&& f) {
+    std::vector<double> values;
+    for (auto const* curve : curves)
+        for (Eigen::Index block = 0; block < curve->sum.cols(); ++block) {
+            if ((curve->weight.col(block) == 0.0).any()) continue;
+            values.push_back(f(*curve, (curve->sum.col(block) / curve->weight.col(block)).eval()));
+        }
+    return independent(values);
+}
+
+// Slope of the mean-square displacement over the second half of its lags, over 2d. @eq{NG2007,17}
+double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int d) {
+    auto const last = static_cast<Eigen::Index>(curve.x.size()) - 1;
+    Eigen::Index const first = last / 2;
+    return (mean[last] - mean[first]) /
+           (2.0 * d * (curve.x[static_cast<std::size_t>(last)] - curve.x[static_cast<std::size_t>(first)]));
+}
+
+// Least-squares slope of the velocity profile over the imposed shear rate.
+double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double shear_rate) {
+    Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
+    Eigen::ArrayXd const centred = y - y.mean();
+    return (centred * mean).sum() / centred.square().sum() / shear_rate;
+}
+
+}  // namespace
+
+template <int d>
+Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> sample) {
+    Simulation<d> simulation;
+    simulation.box.length = Eigen::Map<Vec<d> const>(scene.length.data());
+    simulation.box.shear_rate = scene.shear_rate;
+    simulation.particles.mass = scene.mass;
+    simulation.particles.resize(static_cast<Eigen::Index>(scene.particles));
+    randomize(simulation.particles, simulation.box, scene.kT, scene.seed);
+    simulation.seed = scene.seed;
+    simulation.time_step = scene.time_step;
+
+    double cutoff = 0.0, kT = scene.kT;
+    if (scene.has_stage("shardlow")) {
+        cutoff = std::max(cutoff, scene.shardlow.cutoff);
+        kT = std::max(kT, scene.shardlow.kT);
+    }
+    if (scene.has_stage("euler")) {
+        cutoff = std::max(cutoff, scene.euler.cutoff);
+        if (scene.euler.gamma > 0.0)
+            kT = std::max(kT, scene.euler.sigma * scene.euler.sigma / (2.0 * scene.euler.gamma));
+    }
+    simulation.hottest = divergence_factor * kT;
+    simulation.pair_search.cutoff = cutoff > 0.0 ? cutoff : 1.0;
+    simulation.pair_search.search = scene.search;
+    simulation.pair_search.order = scene.order;
+    for (auto const& name : scene.stages) simulation.stages.push_back(make_stage<d>(scene, name, sample));
+    return simulation;
+}
+
+template Simulation<2> build(Scene const&, std::function<void(Simulation<2>&)>);
+template Simulation<3> build(Scene const&, std::function<void(Simulation<3>&)>);
+
+RunResult run(Scene const& scene, RunOptions const& options) {
+    return scene.dimension == 2 ? run_in<2>(scene, options) : run_in<3>(scene, options);
+}
+
+std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& records) {
+    std::vector<Quantity> quantities;
+    auto const add = [&](std::string name, Estimate estimate) {
+        if (estimate.blocks > 0) quantities.push_back({std::move(name), estimate});
+    };
+    add("kinetic_temperature", combine(series_of(records, "kinetic_temperature")));
+    double largest_momentum = 0.0;
+    auto const momenta = series_of(records, "momentum");
+    for (auto const& momentum : momenta)
+        for (double const value : momentum) largest_momentum = std::max(largest_momentum, value);
+    if (!momenta.empty()) add("largest_momentum", {.value = largest_momentum, .error = 0.0, .blocks = 1});
+
+    auto kinetic = series_of(records, "kinetic_stress"), collision = series_of(records, "collision_stress");
+    if (scene.shear_rate != 0.0) {
+        auto total = kinetic;
+        for (std::size_t r = 0; r < total.size(); ++r)
+            for (std::size_t k = 0; k < total[r].size(); ++k) {
+                kinetic[r][k] /= scene.shear_rate;
+                collision[r][k] /= scene.shear_rate;
+                total[r][k] = kinetic[r][k] + collision[r][k];
+            }
+        add("kinetic_viscosity", combine(kinetic));
+        add("collision_viscosity", combine(collision));
+        add("viscosity", combine(total));
+    } else {
+        add("kinetic_stress", combine(kinetic));
+        add("collision_stress", combine(collision));
+    }
+    if (scene.shear_rate != 0.0)
+        add("profile_slope",
+            by_block(curves_of(records, "velocity_profile"), [&](auto const& curve, auto const& mean) {
+                return relative_slope(curve, mean, scene.shear_rate);
+            }));
+    add("pair_density",
+        by_block(curves_of(records, "radial_distribution"), [&](auto const& curve, auto const& mean) {
+            // share of pairs within the range over that of a uniform gas
+            double found = 0.0, uniform = 0.0;
+            for (Eigen::Index bin = 0; bin < mean.size(); ++bin) {
+                double const shell =
+                    std::pow(double(bin + 1), scene.dimension) - std::pow(double(bin), scene.dimension);
+                found += mean[bin] * shell;
+                uniform += shell;
+            }
+            static_cast<void>(curve);
+            return found / uniform;
+        }));
+    add("diffusion_constant",
+        by_block(curves_of(records, "mean_square_displacement"), [&](auto const& curve, auto const& mean) {
+            return diffusion_from(curve, mean, scene.dimension);
+        }));
+    add("green_kubo_diffusion_constant",
+        by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
+            // the trapezium rule is exact for free streaming in steps of the spacing
+            return (mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1]) * (curve.x[1] - curve.x[0]) /
+                   scene.dimension;
+        }));
+    return quantities;
+}
+
+Quantity const* find_quantity(std::vector<Quantity> const& quantities, std::string_view name) {
+    auto const found =
+        std::find_if(quantities.begin(), quantities.end(), [&](auto const& q) { return q.name == name; });
+    return found == quantities.end() ? nullptr : &*found;
+}
+
+}  // namespace dpd

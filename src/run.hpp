@@ -1,0 +1,63 @@
+/// @file
+/// Running a scene: from text to results on disk, with checkpoints, resume and progress.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "sample.hpp"
+#include "scene.hpp"
+#include "statistics.hpp"
+
+namespace dpd {
+
+/// The run was asked to stop and has left a checkpoint.
+struct Interrupted : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// What a finished run leaves.
+struct RunResult {
+    Record record;
+    Counters counters;
+    std::uint64_t particles = 0;
+    double seconds = 0.0;     ///< wall clock of all its parts
+    std::uint64_t bytes = 0;  ///< memory of state, pair list and search
+    bool from_cache = false;
+};
+
+struct RunOptions {
+    std::optional<std::filesystem::path> output;  ///< HDF5 file; also where checkpoints live
+    std::atomic<bool> const* stop = nullptr;      ///< ends the run after the present step
+    std::function<void(double fraction)> progress;
+};
+
+/// A simulation with the stage list that the scene names, at its initial state; `sample` (may be empty) is
+/// what the stage of that name calls.
+template <int d>
+Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> sample);
+
+/// Runs a scene to its end. With an output file: returns its results if it holds this scene completed,
+/// resumes if it holds a checkpoint of it. Throws InputError (also if the file holds another scene),
+/// Diverged, Interrupted; the file then keeps what was computed.
+RunResult run(Scene const& scene, RunOptions const& options = {});
+
+/// One measured number.
+struct Quantity {
+    std::string name;
+    Estimate estimate;
+};
+
+/// The numbers that a scene's records give; several records are independent runs of it.
+std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& records);
+
+/// The quantity of that name, or nothing.
+Quantity const* find_quantity(std::vector<Quantity> const& quantities, std::string_view name);
+
+}  // namespace dpd

@@ -1,0 +1,217 @@
+#include "sample.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace dpd {
+
+void Curve::resize(std::size_t bins) {
+    x.resize(bins);
+    sum.setZero(static_cast<Eigen::Index>(bins), curve_blocks);
+    weight.setZero(static_cast<Eigen::Index>(bins), curve_blocks);
+}
+
+std::vector<double> Curve::block_means(Eigen::Index bin) const {
+    std::vector<double> means;
+    for (Eigen::Index block = 0; block < sum.cols(); ++block)
+        if (weight(bin, block) > 0.0) means.push_back(sum(bin, block) / weight(bin, block));
+    return means;
+}
+
+// Scalars and curves in the H5MD layout of observables; `sum` and `weight` of a curve are ours.
+void Record::archive(Archive& archive) {
+    for (auto& [name, values] : series) archive("observables/" + name + "/value", values);
+    for (auto& [name, curve] : curves) {
+        archive("observables/" + name + "/x", curve.x);
+        archive("observables/" + name + "/sum", curve.sum);
+        archive("observables/" + name + "/weight", curve.weight);
+    }
+}
+
+template <int d>
+double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double time_step) {
+    auto const v_x = particles.velocity.col(0);
+    auto const v_y = particles.velocity.col(1);
+    if (!box.sheared()) return -particles.mass * (v_x * v_y).sum() / box.volume();
+    auto const flow_at_mid_drift =
+        box.shear_rate * (particles.position.col(1) + 0.5 * time_step * v_y - 0.5 * box.length[1]);
+    return -particles.mass * ((v_x - flow_at_mid_drift) * v_y).sum() / box.volume();
+}
+
+template <int d>
+double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box, double time_step) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < pairs.count; ++k)
+        sum += pairs.impulse[k] * pairs.unit[0][k] * pairs.unit[1][k] * pairs.distance[k];
+    return -mass * sum / (box.volume() * time_step);
+}
+
+template <int d>
+Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulation)
+    : parameters_(std::move(parameters)) {
+    auto& series = record_.series;
+    if (parameters_.kinetic_temperature) series["kinetic_temperature"];
+    if (parameters_.momentum) series["momentum"];
+    if (parameters_.stress) {
+        series["kinetic_stress"];
+        series["collision_stress"];
+    }
+    auto const curve = [&](std::string const& name, std::size_t bins, double first, double spacing) {
+        Curve& added = record_.curves[name];
+        added.resize(bins);
+        for (std::size_t b = 0; b < bins; ++b) added.x[b] = first + spacing * double(b);
+    };
+    if (auto const& p = parameters_.profile) {
+        double const width = simulation.box.length[1] / double(p->bins);
+        for (char const* name : {"velocity_profile", "density_profile"})
+            curve(name, p->bins, 0.5 * width, width);
+    }
+    if (auto const& p = parameters_.radial_distribution) {
+        double const width = p->range / double(p->bins);
+        curve("radial_distribution", p->bins, 0.5 * width, width);
+        wide_search_.cutoff = p->range;
+        wide_search_.check(simulation.box);
+    }
+    auto const correlation = [&](std::string const& name, CorrelationParameters const& p) {
+        curve(name, p.lags + 1, 0.0, double(p.spacing) * simulation.time_step);
+    };
+    if (auto const& p = parameters_.mean_square_displacement) correlation("mean_square_displacement", *p);
+    if (auto const& p = parameters_.velocity_autocorrelation) correlation("velocity_autocorrelation", *p);
+}
+
+template <int d>
+Eigen::Index Recorder<d>::block_of(std::uint64_t step) const {
+    std::uint64_t const production =
+        std::max<std::uint64_t>(1, parameters_.steps - parameters_.equilibration);
+    auto const block =
+        static_cast<Eigen::Index>((step - parameters_.equilibration) * curve_blocks / production);
+    return std::min(block, curve_blocks - 1);
+}
+
+template <int d>
+void Recorder<d>::operator()(Simulation<d>& simulation) {
+    if (simulation.step < parameters_.equilibration) return;
+    std::uint64_t const step = simulation.step - parameters_.equilibration;
+    auto& series = record_.series;
+    if (step % parameters_.interval == 0) {
+        if (parameters_.kinetic_temperature)
+            series["kinetic_temperature"].push_back(
+                kinetic_temperature(simulation.particles, simulation.box));
+        if (parameters_.momentum)
+            series["momentum"].push_back(total_momentum(simulation.particles, simulation.box).norm());
+        if (parameters_.stress) {
+            series["kinetic_stress"].push_back(
+                kinetic_stress(simulation.particles, simulation.box, simulation.time_step));
+            series["collision_stress"].push_back(collision_stress(
+                simulation.pairs(), simulation.particles.mass, simulation.box, simulation.time_step));
+        }
+    }
+    Eigen::Index const block = block_of(simulation.step);
+    if (parameters_.profile && step % parameters_.profile->interval == 0) sample_profile(simulation, block);
+    if (parameters_.radial_distribution && step % parameters_.radial_distribution->interval == 0)
+        sample_radial_distribution(simulation, block);
+    if (auto const& p = parameters_.mean_square_displacement)
+        correlate(
+            simulation, *p, "mean_square_displacement", displacement_origins_,
+            [&](auto& unwrapped) {
+                unwrapped = simulation.particles.position;
+                for (int axis = 0; axis < d; ++axis)
+                    unwrapped.col(axis) += simulation.box.length[axis] *
+                                           simulation.particles.image.col(axis).template cast<double>();
+            },
+            [](auto const& now, auto const& then) { return (now - then).square().sum(); });
+    if (auto const& p = parameters_.velocity_autocorrelation)
+        correlate(
+            simulation, *p, "velocity_autocorrelation", velocity_origins_,
+            [&](auto& velocity) { velocity = simulation.particles.velocity; },
+            [](auto const& now, auto const& then) { return (now * then).sum(); });
+}
+
+template <int d>
+void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index block) {
+    Curve& velocity = record_.curves["velocity_profile"];
+    Curve& density = record_.curves["density_profile"];
+    auto const bins = static_cast<Eigen::Index>(velocity.x.size());
+    double const bins_per_length = double(bins) / simulation.box.length[1];
+    auto const& particles = simulation.particles;
+    for (Eigen::Index p = 0; p < particles.size(); ++p) {
+        auto const bin =
+            std::min(static_cast<Eigen::Index>(particles.position(p, 1) * bins_per_length), bins - 1);
+        velocity.sum(bin, block) += particles.velocity(p, 0);
+        velocity.weight(bin, block) += 1.0;
+        density.sum(bin, block) += double(bins) / simulation.box.volume();
+    }
+    density.weight.col(block) += 1.0;
+}
+
+template <int d>
+void Recorder<d>::sample_radial_distribution(Simulation<d> const& simulation, Eigen::Index block) {
+    wide_search_.find(simulation.particles, simulation.box, simulation.time, {}, wide_pairs_);
+    Curve& g = record_.curves["radial_distribution"];
+    auto const bins = static_cast<Eigen::Index>(g.x.size());
+    double const per_range = double(bins) / wide_search_.cutoff;
+    auto const n = double(simulation.particles.size());
+    double const pairs_per_volume = 0.5 * n * (n - 1.0) / simulation.box.volume();
+    double const unit_ball = d == 2 ? std::numbers::pi : 4.0 * std::numbers::pi / 3.0;
+    for (std::size_t k = 0; k < wide_pairs_.count; ++k)
+        g.sum(std::min(static_cast<Eigen::Index>(wide_pairs_.distance[k] * per_range), bins - 1), block) +=
+            1.0;
+    for (Eigen::Index bin = 0; bin < bins; ++bin)
+        g.weight(bin, block) +=
+            pairs_per_volume * unit_ball *
+            (std::pow(double(bin + 1) / per_range, d) - std::pow(double(bin) / per_range, d));
+}
+
+template <int d>
+template <class Value, class Product>
+void Recorder<d>::correlate(Simulation<d> const& simulation, CorrelationParameters const& parameters,
+                            std::string const& name, std::vector<Origin>& origins, Value value,
+                            Product product) {
+    std::uint64_t const step = simulation.step - parameters_.equilibration;
+    if (step % parameters.spacing != 0) return;
+    Field<d> by_row, now(simulation.particles.size(), d);
+    value(by_row);
+    for (Eigen::Index p = 0; p < by_row.rows(); ++p) now.row(simulation.particles.id[p]) = by_row.row(p);
+
+    std::uint64_t const longest = parameters.spacing * parameters.lags;
+    std::erase_if(origins, [&](Origin const& origin) { return simulation.step - origin.step > longest; });
+    // an origin starts only where its last lag still fits into the run, so that all lags have equal weight
+    if (step % parameters.origin_spacing == 0 && simulation.step + longest < parameters_.steps)
+        origins.push_back({simulation.step, now});
+    Curve& curve = record_.curves[name];
+    for (auto const& origin : origins) {
+        auto const lag = static_cast<Eigen::Index>((simulation.step - origin.step) / parameters.spacing);
+        curve.sum(lag, block_of(origin.step)) += product(now, origin.value);
+        curve.weight(lag, block_of(origin.step)) += double(now.rows());
+    }
+}
+
+template <int d>
+void Recorder<d>::archive_origins(Archive& archive, std::string const& name, std::vector<Origin>& origins) {
+    std::uint64_t count = origins.size();
+    archive("checkpoint/" + name + "/origins", count);
+    origins.resize(count);
+    for (std::size_t o = 0; o < origins.size(); ++o) {
+        archive(fmt::format("checkpoint/{}/{}/step", name, o), origins[o].step);
+        archive(fmt::format("checkpoint/{}/{}/value", name, o), origins[o].value);
+    }
+}
+
+template <int d>
+void Recorder<d>::archive(Archive& archive) {
+    record_.archive(archive);
+    if (parameters_.mean_square_displacement) archive_origins(archive, "displacement", displacement_origins_);
+    if (parameters_.velocity_autocorrelation) archive_origins(archive, "velocity", velocity_origins_);
+}
+
+template double kinetic_stress(Particles<2> const&, Box<2> const&, double);
+template double kinetic_stress(Particles<3> const&, Box<3> const&, double);
+template double collision_stress(PairList<2> const&, double, Box<2> const&, double);
+template double collision_stress(PairList<3> const&, double, Box<3> const&, double);
+template class Recorder<2>;
+template class Recorder<3>;
+
+}  // namespace dpd

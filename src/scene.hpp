@@ -1,0 +1,72 @@
+/// @file
+/// A scene: what to simulate, how, and what to measure. Read from TOML; the keys, units and defaults are in
+/// docs/scene.md.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pairs.hpp"
+#include "sample.hpp"
+#include "weight.hpp"
+
+namespace dpd {
+
+struct ShardlowParameters {
+    double friction = 1.0, cutoff = 1.0, kT = 1.0;
+    Weight weight = Weight::linear;
+};
+
+struct EulerParameters {
+    double gamma = 1.0, sigma = 1.0, cutoff = 1.0;
+    Weight weight = Weight::linear;
+    std::optional<Weight> random_weight;  ///< none: matched, w_R^2 = w_D
+};
+
+struct Scene {
+    std::string title;
+    int dimension = 3;
+    std::uint64_t seed = 1;
+    std::vector<std::string> stages;
+    std::vector<double> length;
+    double shear_rate = 0.0;
+    std::uint64_t particles = 0;
+    double mass = 1.0;
+    double kT = 1.0;  ///< of the initial velocities
+    ShardlowParameters shardlow;
+    EulerParameters euler;
+    double time_step = 0.0;
+    std::uint64_t equilibration_steps = 0;
+    std::uint64_t production_steps = 0;
+    double checkpoint_seconds = 30.0;  ///< wall clock between checkpoints
+    Search search = Search::cell;
+    Order order = Order::cell;
+    SampleParameters sample;
+    std::uint64_t trajectory_interval = 0;  ///< steps between frames; 0: none
+
+    /// The merged TOML text, sorted and without comments: with the seed and the engine's revision it
+    /// determines the results.
+    std::string text;
+
+    double volume() const;
+    double density() const { return double(particles) / volume(); }
+    std::uint64_t steps() const { return equilibration_steps + production_steps; }
+    bool has_stage(std::string const& name) const;
+
+    /// Name of this scene's cached result: a UUID (version 5) of text, seed and engine revision.
+    std::string key() const;
+};
+
+/// Reads and checks a scene. `overrides` are "table.key=value", applied on top of the file. Throws
+/// InputError: "file:line: key: problem; allowed: ...".
+Scene load_scene(std::filesystem::path const& file, std::vector<std::string> const& overrides = {},
+                 std::optional<std::uint64_t> seed = {});
+
+/// The same for a scene given as text, which messages call `name`.
+Scene parse_scene(std::string const& text, std::string const& name,
+                  std::vector<std::string> const& overrides = {}, std::optional<std::uint64_t> seed = {});
+
+}  // namespace dpd

@@ -1,0 +1,105 @@
+#include "simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace dpd {
+namespace {
+
+// Rows drift out of cell order slowly; this is how many searches a sorting of the state serves.
+constexpr std::uint64_t searches_per_sorting = 16;
+
+}  // namespace
+
+template <int d>
+PairList<d>& Simulation<d>::pairs() {
+    if (pairs_valid_) return pairs_;
+    if (counters.searches++ % searches_per_sorting == 0) pair_search.sort_particles(particles, box, time);
+    constexpr std::uint8_t stream_order = 253;
+    pair_search.find(particles, box, time, {seed, step, stream_order}, pairs_);
+    pairs_valid_ = true;
+    counters.pairs_found += pairs_.count;
+    counters.boundary_pairs += pairs_.count - pairs_.boundary;
+    counters.coincident_pairs += pairs_.coincident;
+    return pairs_;
+}
+
+template <int d>
+void Simulation<d>::advance() {
+    try {
+        for (std::size_t s = 0; s < stages.size(); ++s)
+            stages[s].act(*this, NoiseKey{seed, step, static_cast<std::uint8_t>(s)});
+        check_divergence();
+    } catch (Diverged const& divergence) {
+        throw Diverged(fmt::format("diverged at step {} (time {:g}): {}; try a smaller time.step", step + 1,
+                                   double(step + 1) * time_step, divergence.what()));
+    }
+    ++step;
+    ++counters.steps;
+}
+
+template <int d>
+void Simulation<d>::check_divergence() const {
+    if (hottest <= 0.0) return;
+    double const kT = particles.mass * particles.velocity.square().sum() / (d * double(particles.size()));
+    double const flow = particles.mass * std::pow(box.image_speed(), 2);
+    if (!(kT <= hottest + flow))
+        throw Diverged(fmt::format("kinetic temperature {:.3g} exceeds {:.3g}", kT, hottest + flow));
+}
+
+template <int d>
+std::size_t Simulation<d>::bytes() const {
+    std::size_t const state = static_cast<std::size_t>(particles.size()) *
+                              (2 * d * sizeof(double) + (d + 1) * sizeof(std::uint32_t));
+    return state + static_cast<std::size_t>(momentum_change.size()) * sizeof(double) + pairs_.bytes() +
+           pair_search.bytes();
+}
+
+template <int d>
+double kinetic_temperature(Particles<d> const& particles, Box<d> const& box) {
+    auto const n = double(particles.size());
+    if (n < 2) return 0.0;
+    double sum = particles.velocity.square().sum();
+    if (box.sheared()) {
+        auto const flow = box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
+        sum = (particles.velocity.col(0) - flow).square().sum();
+        for (int axis = 1; axis < d; ++axis) sum += particles.velocity.col(axis).square().sum();
+    }
+    return particles.mass * sum / (d * (n - 1));
+}
+
+template <int d>
+Vec<d> total_momentum(Particles<d> const& particles, Box<d> const& box) {
+    Vec<d> momentum = particles.velocity.colwise().sum().transpose();
+    if (box.sheared())
+        momentum[0] -= box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]).sum();
+    return particles.mass * momentum;
+}
+
+template <int d>
+void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint64_t seed) {
+    double const thermal_speed = std::sqrt(kT / particles.mass);
+    for (Eigen::Index p = 0; p < particles.size(); ++p)
+        for (int axis = 0; axis < d; ++axis) {
+            auto const id = particles.id[p];
+            auto const component = static_cast<std::uint32_t>(axis);
+            particles.position(p, axis) =
+                box.length[axis] * uniform({seed, 0, stream_positions}, id, component);
+            particles.velocity(p, axis) = thermal_speed * normal({seed, 0, stream_velocities}, id, component);
+        }
+    particles.velocity.rowwise() -= particles.velocity.colwise().mean().eval();
+    if (box.sheared())
+        particles.velocity.col(0) += box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
+}
+
+template struct Simulation<2>;
+template struct Simulation<3>;
+template double kinetic_temperature(Particles<2> const&, Box<2> const&);
+template double kinetic_temperature(Particles<3> const&, Box<3> const&);
+template Vec<2> total_momentum(Particles<2> const&, Box<2> const&);
+template Vec<3> total_momentum(Particles<3> const&, Box<3> const&);
+template void randomize(Particles<2>&, Box<2> const&, double, std::uint64_t);
+template void randomize(Particles<3>&, Box<3> const&, double, std::uint64_t);
+
+}  // namespace dpd

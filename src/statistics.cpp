@@ -1,0 +1,124 @@
+#include "statistics.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace dpd {
+namespace {
+
+double mean_of(std::span<double const> values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+// Variance of the mean of independent values.
+double variance_of_mean(std::span<double const> values, double mean) {
+    double sum = 0.0;
+    for (double const value : values) sum += (value - mean) * (value - mean);
+    auto const n = double(values.size());
+    return sum / (n * (n - 1.0));
+}
+
+// Means of consecutive blocks; a remainder shorter than a block is left out.
+std::vector<double> block_means(std::span<double const> series, std::size_t length) {
+    std::vector<double> means;
+    for (std::size_t begin = 0; begin + length <= series.size(); begin += length)
+        means.push_back(mean_of(series.subspan(begin, length)));
+    return means;
+}
+
+std::size_t block_length(std::span<double const> series) {
+    auto const n = double(series.size());
+    if (series.size() < 4) return 1;
+    double const naive = variance_of_mean(series, mean_of(series));
+    if (!(naive > 0.0)) return 1;
+    std::size_t length = 1;
+    while (series.size() / (2 * length) >= 4) {
+        auto const means = block_means(series, length);
+        double const inefficiency = variance_of_mean(means, mean_of(means)) / naive;
+        if (std::pow(double(length), 3) > 2.0 * n * inefficiency * inefficiency) break;
+        length *= 2;
+    }
+    return length;
+}
+
+}  // namespace
+
+Estimate independent(std::span<double const> values) {
+    Estimate estimate;
+    estimate.blocks = values.size();
+    estimate.value = values.empty() ? std::numeric_limits<double>::quiet_NaN() : mean_of(values);
+    estimate.error = values.size() < 2 ? std::numeric_limits<double>::quiet_NaN()
+                                       : std::sqrt(variance_of_mean(values, estimate.value));
+    return estimate;
+}
+
+Estimate combine(std::span<std::vector<double> const> runs) {
+    std::size_t length = 1;
+    std::vector<double> all;
+    for (auto const& run : runs) {
+        length = std::max(length, block_length(run));
+        all.insert(all.end(), run.begin(), run.end());
+    }
+    std::vector<double> pooled;
+    for (auto const& run : runs) {
+        if (run.empty()) continue;
+        auto const means = block_means(run, std::min(length, run.size()));
+        pooled.insert(pooled.end(), means.begin(), means.end());
+    }
+    Estimate estimate = independent(pooled);
+    if (pooled.size() >= 2) {
+        double const naive = variance_of_mean(all, mean_of(all));
+        if (naive > 0.0) estimate.inefficiency = estimate.error * estimate.error / naive;
+    }
+    return estimate;
+}
+
+Estimate blocking(std::span<double const> series) {
+    std::vector<std::vector<double>> const runs{{series.begin(), series.end()}};
+    return combine(runs);
+}
+
+std::string_view name_of(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::agrees:
+            return "agrees";
+        case Verdict::disagrees:
+            return "disagrees";
+        default:
+            return "undecided";
+    }
+}
+
+double critical_z(double false_alarm, std::size_t blocks) {
+    if (blocks < 2) return std::numeric_limits<double>::infinity();
+    boost::math::students_t const distribution(double(blocks - 1));
+    return boost::math::quantile(boost::math::complement(distribution, false_alarm / 2.0));
+}
+
+Verdict judge(Estimate const& estimate, double theory, double tolerance, double resolution,
+              double false_alarm) {
+    double const half_width = critical_z(false_alarm, estimate.blocks) * estimate.error;
+    double const distance = std::abs(estimate.value - theory);
+    if (!std::isfinite(half_width) || !std::isfinite(distance)) return Verdict::undecided;
+    double const band = tolerance * std::abs(theory);
+    if (distance - half_width > band) return Verdict::disagrees;
+    bool const sharp =
+        tolerance > 0.0 ? distance + half_width <= band : estimate.error <= resolution * std::abs(theory);
+    return sharp ? Verdict::agrees : Verdict::undecided;
+}
+
+double time_factor_to_decide(Estimate const& estimate, double theory, double tolerance, double resolution,
+                             double false_alarm) {
+    if (judge(estimate, theory, tolerance, resolution, false_alarm) != Verdict::undecided) return 1.0;
+    double const wanted = tolerance > 0.0
+                              ? std::abs(std::abs(estimate.value - theory) - tolerance * std::abs(theory)) /
+                                    critical_z(false_alarm, estimate.blocks)
+                              : resolution * std::abs(theory);
+    double const factor = std::pow(estimate.error / wanted, 2);
+    return std::isfinite(factor) ? std::max(1.0, factor) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace dpd

@@ -1,0 +1,56 @@
+/// @file
+/// Errors of correlated averages, and what they allow one to say.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace dpd {
+
+/// A mean with its standard error, from `blocks` block averages that may be taken as independent.
+struct Estimate {
+    double value = 0.0;
+    double error = 0.0;       ///< one standard error; NaN with fewer than two blocks
+    std::size_t blocks = 0;   ///< the error has blocks-1 degrees of freedom
+    double inefficiency = 1;  ///< samples per independent sample
+};
+
+/// Mean of a correlated series; the error by blocking (Flyvbjerg & Petersen, J. Chem. Phys. 91, 461 (1989)).
+/// The block length is the first power of two that exceeds (2 n inefficiency^2)^(1/3) (Lee et al., Phys. Rev.
+/// E 83, 066706 (2011)): there the truncation error and the noise of the error balance.
+Estimate blocking(std::span<double const> series);
+
+/// Mean over independent runs of one quantity. All block averages, of all runs, at the longest block length
+/// that any run asks for, are pooled: the error contains the scatter within and between the runs. Runs
+/// shorter than two such blocks count as one block each.
+Estimate combine(std::span<std::vector<double> const> runs);
+
+/// Mean and error of numbers that are already independent.
+Estimate independent(std::span<double const> values);
+
+/// What a comparison says.
+enum class Verdict { agrees, disagrees, undecided };
+
+std::string_view name_of(Verdict verdict);
+
+/// The critical |z| of a two-sided test at the probability `false_alarm`, Student's t for the estimate's
+/// degrees of freedom.
+double critical_z(double false_alarm, std::size_t blocks);
+
+/// Compares an estimate with a closed form.
+///
+/// With `tolerance` = 0 the theory is exact: *disagrees* if value and theory differ by more than the critical
+/// z times the error, *agrees* if they do not and the error is at most `resolution*|theory|`, else
+/// *undecided*. With `tolerance` > 0 the theory is approximate, within +-tolerance*|theory|: *agrees* if the
+/// whole confidence interval lies inside this band, *disagrees* if all of it lies outside, else *undecided*.
+Verdict judge(Estimate const& estimate, double theory, double tolerance, double resolution,
+              double false_alarm);
+
+/// By what factor the run time must grow for the comparison to be decided: the error falls as t^(-1/2). 1 if
+/// it is decided; infinity if no error bar would decide (the value sits on the band's edge).
+double time_factor_to_decide(Estimate const& estimate, double theory, double tolerance, double resolution,
+                             double false_alarm);
+
+}  // namespace dpd

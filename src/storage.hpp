@@ -1,0 +1,72 @@
+/// @file
+/// HDF5 files, written whole or not at all.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dpd {
+
+/// A file open for reading or for writing. The same call, `archive("group/name", value)`, stores or restores
+/// a value, so that one function describes both directions. Writing goes to a temporary file beside the
+/// target; `commit` renames it. Errors: InputError naming the file.
+class Archive {
+public:
+    enum class Mode { read, write };
+    Archive(std::filesystem::path path, Mode mode);
+    ~Archive();
+    Archive(Archive const&) = delete;
+    Archive& operator=(Archive const&) = delete;
+
+    bool reading() const { return mode_ == Mode::read; }
+    bool has(std::string const& name) const;
+
+    void operator()(std::string const& name, double& value);
+    void operator()(std::string const& name, std::uint64_t& value);
+    void operator()(std::string const& name, std::string& value);
+    void operator()(std::string const& name, std::vector<double>& values);
+    void operator()(std::string const& name, std::vector<std::uint64_t>& values);
+    template <class Scalar, int columns>
+    void operator()(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns>& values) {
+        array(name, values);
+    }
+
+    /// Adds the root group that makes the file's observables readable as H5MD (write only).
+    void describe_as_h5md();
+
+    /// Puts the finished file in place.
+    void commit();
+
+private:
+    template <class Scalar, int columns>
+    void array(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns>& values);
+
+    struct File;
+    std::unique_ptr<File> file_;
+    std::filesystem::path path_, temporary_;
+    Mode mode_;
+};
+
+/// A trajectory in the H5MD layout (de Buyl, Colberg & Hofling, Comput. Phys. Commun. 185, 1546 (2014)), one
+/// frame at a time; every frame is on disk, readable, when `append` returns.
+class Trajectory {
+public:
+    /// Creates the file; or, with `keep_until_step` > 0, opens it and forgets all later frames.
+    Trajectory(std::filesystem::path const& path, std::vector<double> const& box_length,
+               std::size_t particles, double shear_rate, std::uint64_t keep_until_step);
+    ~Trajectory();
+
+    /// Row-major arrays of particles x dimension, in the order of `id`.
+    void append(std::uint64_t step, double time, std::vector<double> const& position,
+                std::vector<double> const& velocity, std::vector<std::int32_t> const& image);
+
+private:
+    struct File;
+    std::unique_ptr<File> file_;
+};
+
+}  // namespace dpd

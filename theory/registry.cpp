@@ -1,0 +1,338 @@
+#include "registry.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+namespace dpd::theory {
+namespace {
+
+constexpr std::string_view random_weight_names = "matched, constant, linear, quadratic, parabolic, root";
+
+constexpr std::array<Parameter, 13> all_parameters{{
+    {"d", "dimension of space", "3", "2 or 3"},
+    {"n", "number density", std::nullopt, "> 0"},
+    {"m", "mass of a particle", "1", "> 0"},
+    {"kT", "temperature, k_B T", "1", "> 0"},
+    {"gamma", "strength of the friction (its value where the weight is 1)", std::nullopt, "> 0"},
+    {"sigma", "strength of the noise", std::nullopt, "> 0"},
+    {"rc", "cutoff radius", "1", "> 0"},
+    {"dt", "time step", std::nullopt, "> 0"},
+    {"Gamma", "Lowe-Andersen rate, updates of a pair per unit time", std::nullopt, "> 0"},
+    {"L", "side of the periodic cube", std::nullopt, "> 0"},
+    {"eta", "shear viscosity", std::nullopt, "> 0"},
+    {"weight", "weight function of the friction", "linear", weight_names},
+    {"random_weight", "weight function of the noise; matched: its square is the weight of the friction",
+     "matched", random_weight_names},
+}};
+
+std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+
+std::string joined(std::span<std::string_view const> names) {
+    std::string line;
+    for (auto name : names) line += (line.empty() ? "" : " ") + std::string(name);
+    return line;
+}
+
+[[noreturn]] void refuse(Parameter const& parameter, std::string_view text) {
+    throw std::invalid_argument("parameter " + quoted(parameter.name) + " is " + quoted(text) +
+                                "; allowed: " + std::string(parameter.allowed));
+}
+
+/// A finite number that takes up the whole text.
+std::optional<double> number_from(std::string_view text) {
+    double value = 0.0;
+    auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        return std::nullopt;
+    return value;
+}
+
+Parameter const* find_parameter(std::string_view name) {
+    auto const found = std::ranges::find(all_parameters, name, &Parameter::name);
+    return found == all_parameters.end() ? nullptr : &*found;
+}
+
+ExplicitDpd explicit_dpd(Arguments const& a, double n, double sigma) {
+    return {.d = a.d(),
+            .n = n,
+            .m = a["m"],
+            .gamma = a["gamma"],
+            .sigma = sigma,
+            .rc = a["rc"],
+            .weight = a.weight(),
+            .random_weight = a.random_weight()};
+}
+
+Shardlow shardlow(Arguments const& a) { return {.gamma = a["gamma"], .weight = a.weight()}; }
+Lowe lowe(Arguments const& a) { return {.Gamma = a["Gamma"]}; }
+
+/// A quantity of the gas that the equation does not use may be any positive number.
+constexpr double unused = 1.0;
+
+Gas gas(Arguments const& a, double n, double m, double kT) {
+    return {.d = a.d(), .n = n, .m = m, .kT = kT, .rc = a["rc"]};
+}
+
+std::vector<ClosedForm> const& all_forms() {
+    static std::vector<ClosedForm> const forms{
+        {"my22",
+         "MY1997",
+         "22",
+         "temperature kT of explicit DPD at finite step",
+         "A3/(m (A1 (2 - A1 n dt) - A2 dt))",
+         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight", "random_weight"},
+         {},
+         [](Arguments const& a) {
+             return temperature_at_finite_step(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
+         }},
+        {"my23-A1",
+         "MY1997",
+         "23",
+         "A1, decay rate of a momentum per density",
+         "gamma [w_D]/(m d)",
+         {"d", "m", "gamma", "rc", "weight"},
+         {"n", "sigma", "dt", "random_weight"},
+         [](Arguments const& a) { return A1(explicit_dpd(a, unused, unused)); }},
+        {"my23-A2",
+         "MY1997",
+         "23",
+         "A2, second-order term of a single partner",
+         "2 gamma^2 [w_D^2]/(m^2 d)",
+         {"d", "m", "gamma", "rc", "weight"},
+         {"n", "sigma", "dt", "random_weight"},
+         [](Arguments const& a) { return A2(explicit_dpd(a, unused, unused)); }},
+        {"my23-A3",
+         "MY1997",
+         "23",
+         "A3, momentum fed in by the noise",
+         "sigma^2 [w_R^2]/d",
+         {"d", "sigma", "rc", "weight", "random_weight"},
+         {"n", "m", "gamma", "dt"},
+         [](Arguments const& a) {
+             return A3({.d = a.d(),
+                        .sigma = a["sigma"],
+                        .rc = a["rc"],
+                        .weight = a.weight(),
+                        .random_weight = a.random_weight()});
+         }},
+        {"my25",
+         "MY1997",
+         "25",
+         "critical step of explicit DPD",
+         "2 A1/(n A1^2 + A2)",
+         {"d", "n", "m", "gamma", "rc", "weight"},
+         {"sigma", "random_weight"},
+         [](Arguments const& a) { return critical_step(explicit_dpd(a, a["n"], unused)); }},
+        {"my26",
+         "MY1997",
+         "26",
+         "critical density of explicit DPD",
+         "(2 A1 - A2 dt)/(A1^2 dt)",
+         {"d", "m", "gamma", "rc", "dt", "weight"},
+         {"sigma", "random_weight"},
+         [](Arguments const& a) { return critical_density(explicit_dpd(a, unused, unused), a["dt"]); }},
+        {"ng8",
+         "NG2007",
+         "8",
+         "kinetic viscosity",
+         "n kT dt (1/(1 - s) - 1/2)",
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight"},
+         {},
+         [](Arguments const& a) {
+             return kinetic_viscosity(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);
+         }},
+        {"ng9",
+         "NG2007",
+         "9",
+         "s, factor on <v_x v_y> per step",
+         "exp(n [-2A/d + 4A^2/(d(d+2))])",
+         {"d", "n", "m", "gamma", "rc", "dt", "weight"},
+         {"kT"},
+         [](Arguments const& a) {
+             return stress_retention(gas(a, a["n"], a["m"], unused), shardlow(a), a["dt"]);
+         }},
+        {"ng10",
+         "NG2007",
+         "10",
+         "kinetic viscosity for dt -> 0",
+         "d m kT/(2 [w])",
+         {"d", "m", "kT", "gamma", "rc", "weight"},
+         {"n", "dt"},
+         [](Arguments const& a) {
+             return kinetic_viscosity_limit(gas(a, unused, a["m"], a["kT"]), shardlow(a));
+         }},
+        {"ng12",
+         "NG2007",
+         "12",
+         "collision viscosity",
+         "n^2/(2 d (d+2)) [w r^2/(1 + w dt/m)]",
+         {"d", "n", "m", "gamma", "rc", "dt", "weight"},
+         {"kT"},
+         [](Arguments const& a) {
+             return collision_viscosity(gas(a, a["n"], a["m"], unused), shardlow(a), a["dt"]);
+         }},
+        {"ng12-limit",
+         "NG2007",
+         "12",
+         "collision viscosity for dt -> 0",
+         "n^2/(2 d (d+2)) [w r^2]",
+         {"d", "n", "gamma", "rc", "weight"},
+         {"m", "kT", "dt"},
+         [](Arguments const& a) {
+             return collision_viscosity_limit(gas(a, a["n"], unused, unused), shardlow(a));
+         }},
+        {"ng17",
+         "NG2007",
+         "17",
+         "self-diffusion constant",
+         "(kT dt/m) (1/(1 - exp(-n [A]/d)) - 1/2)",
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight"},
+         {},
+         [](Arguments const& a) {
+             return diffusion_constant(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);
+         }},
+        {"ng17-limit",
+         "NG2007",
+         "17",
+         "self-diffusion constant for dt -> 0",
+         "d kT/(n [w])",
+         {"d", "n", "kT", "gamma", "rc", "weight"},
+         {"m", "dt"},
+         [](Arguments const& a) {
+             return diffusion_constant_limit(gas(a, a["n"], unused, a["kT"]), shardlow(a));
+         }},
+        {"ng8-lowe",
+         "NG2007",
+         "8",
+         "kinetic viscosity, Lowe-Andersen",
+         "n kT dt (1/(1 - s) - 1/2)",
+         {"d", "n", "kT", "Gamma", "rc", "dt"},
+         {"m"},
+         [](Arguments const& a) {
+             return kinetic_viscosity(gas(a, a["n"], unused, a["kT"]), lowe(a), a["dt"]);
+         }},
+        {"ng9-lowe",
+         "NG2007",
+         "9",
+         "s, factor on <v_x v_y> per step, Lowe-Andersen",
+         "exp(-pi b n rc^d Gamma dt), b = 3/8 (d=2) or 16/45 (d=3)",
+         {"d", "n", "Gamma", "rc", "dt"},
+         {"m", "kT"},
+         [](Arguments const& a) {
+             return stress_retention(gas(a, a["n"], unused, unused), lowe(a), a["dt"]);
+         }},
+        {"ng12-lowe",
+         "NG2007",
+         "12",
+         "collision viscosity, Lowe-Andersen",
+         "pi m n^2 Gamma rc^4/64 (d=2) or pi m n^2 Gamma rc^5/75 (d=3)",
+         {"d", "n", "m", "Gamma", "rc"},
+         {"kT", "dt"},
+         [](Arguments const& a) { return collision_viscosity(gas(a, a["n"], a["m"], unused), lowe(a)); }},
+        {"ng17-lowe",
+         "NG2007",
+         "17",
+         "self-diffusion constant, Lowe-Andersen",
+         "(kT dt/m) (1/(1 - exp(-n V_d rc^d Gamma dt/(2d))) - 1/2)",
+         {"d", "n", "m", "kT", "Gamma", "rc", "dt"},
+         {},
+         [](Arguments const& a) {
+             return diffusion_constant(gas(a, a["n"], a["m"], a["kT"]), lowe(a), a["dt"]);
+         }},
+        {"yeh-hummer",
+         "Yeh & Hummer 2004",
+         "12",
+         "finite-size correction to the self-diffusion constant",
+         "2.837297 kT/(6 pi eta L)",
+         {"kT", "eta", "L"},
+         {"d"},
+         [](Arguments const& a) {
+             if (a.d() != 3) throw std::domain_error("yeh-hummer holds for d = 3 only");
+             return diffusion_finite_size_correction(a["kT"], a["eta"], a["L"]);
+         }},
+    };
+    return forms;
+}
+
+}  // namespace
+
+std::span<Parameter const> parameters() { return all_parameters; }
+
+std::span<ClosedForm const> closed_forms() { return all_forms(); }
+
+ClosedForm const* find(std::string_view id) {
+    auto const found = std::ranges::find(all_forms(), id, &ClosedForm::id);
+    return found == all_forms().end() ? nullptr : &*found;
+}
+
+Arguments::Arguments(ClosedForm const& form, std::span<std::pair<std::string, std::string> const> given) {
+    auto const has = [](auto const& names, std::string_view name) {
+        return std::ranges::find(names, name) != names.end();
+    };
+    std::vector<std::string_view> seen;
+    for (auto const& [name, text] : given) {
+        if (!has(form.parameters, name) && !has(form.without_effect, name))
+            throw std::invalid_argument(std::string(form.id) + " has no parameter " + quoted(name) +
+                                        " (given as " + quoted(text) +
+                                        "); allowed: " + joined(form.parameters));
+        if (has(seen, name))
+            throw std::invalid_argument("parameter " + quoted(name) + " is given twice, the second time as " +
+                                        quoted(text) + "; allowed: once");
+        seen.push_back(name);
+        set(*find_parameter(name), text);
+    }
+    for (auto name : form.parameters) {
+        auto const& parameter = *find_parameter(name);
+        if (has(seen, name)) continue;
+        if (!parameter.default_text)
+            throw std::invalid_argument(std::string(form.id) + " needs parameter " + quoted(name) + " (" +
+                                        std::string(parameter.meaning) +
+                                        "), which was not given; allowed: " + std::string(parameter.allowed));
+        set(parameter, *parameter.default_text);
+    }
+}
+
+void Arguments::set(Parameter const& parameter, std::string_view text) {
+    if (parameter.name == "weight" || parameter.name == "random_weight") {
+        auto const weight = weight_from_name(text);
+        bool const matched = parameter.name == "random_weight" && text == "matched";
+        if (!weight && !matched) refuse(parameter, text);
+        if (parameter.name == "weight")
+            weight_ = *weight;
+        else
+            random_weight_ = weight;
+        return;
+    }
+    auto const value = number_from(text);
+    if (!value || *value <= 0.0) refuse(parameter, text);
+    if (parameter.name == "d" && *value != 2.0 && *value != 3.0) refuse(parameter, text);
+    numbers_[parameter.name] = *value;
+}
+
+double Arguments::operator[](std::string_view name) const {
+    auto const found = numbers_.find(name);
+    if (found != numbers_.end()) return found->second;
+    auto const* parameter = find_parameter(name);
+    if (parameter == nullptr || !parameter->default_text)
+        throw std::logic_error("closed form reads undeclared parameter " + quoted(name));
+    return *number_from(*parameter->default_text);
+}
+
+double evaluate(std::string_view id, std::span<std::pair<std::string, std::string> const> given) {
+    auto const* form = find(id);
+    if (form == nullptr) {
+        std::vector<std::string_view> ids;
+        for (auto const& known : closed_forms()) ids.push_back(known.id);
+        throw std::invalid_argument("no closed form " + quoted(id) + "; allowed: " + joined(ids));
+    }
+    double const value = form->value(Arguments(*form, given));
+    if (!std::isfinite(value))
+        throw std::domain_error(std::string(id) +
+                                " is not finite there: a parameter is too large or too small");
+    return value;
+}
+
+}  // namespace dpd::theory

@@ -1,0 +1,22 @@
+# Diffusion constant against the step, friction 9.
+msd = "gamma=9:diffusion_constant"
+q = ":green_kubo_diffusion_constant"
+
+@upper
+set logscale xy
+set xrange [0.008:1.3]; set yrange [0.09:0.8]
+set ylabel "diffusion constant D*" offset 0.5,0
+set key top left
+plot lines index msd using 1:2 with lines lw 2 lc rgb blue title "eq. 17", \
+     data index msd using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb blue title "dynamics", \
+     data index "chaos".q using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red title "positions redrawn", \
+     data index "chaos, long step".q using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red notitle
+@lower
+set xlabel "time step {/Symbol D}t*" offset 0,0.4
+set yrange [-10:80]
+unset key
+plot 0 with lines lw 2 lc rgb grey, \
+     data index msd using 1:(100*$5):(100*$6) with yerrorbars pt 7 lw 1.5 lc rgb blue, \
+     data index "chaos".q using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red, \
+     data index "chaos, long step".q using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red
+@finish

@@ -1,0 +1,24 @@
+# Kinetic and collision viscosity against the density at time step 1, friction 1 and 9.
+names = "gamma=1 gamma=9"
+array colour_kin[2] = [blue, red]
+array colour_col[2] = [sky, yellow]
+kin = ":kinetic_viscosity"; col = ":collision_viscosity"
+part(n, q) = word(names, n).q
+
+@upper
+set logscale xy
+set xrange [0.9:11]; set yrange [0.01:10]
+set ylabel "viscosity {/Symbol h}*" offset 0.5,0
+set key bottom right maxrows 2
+plot for [n=1:2] lines index part(n, kin) using 1:2 with lines lw 2 lc rgb colour_kin[n] notitle, \
+     for [n=1:2] lines index part(n, col) using 1:2 with lines lw 2 lc rgb colour_col[n] notitle, \
+     for [n=1:2] data index part(n, kin) using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb colour_kin[n] title "kinetic, {/Symbol g}* = ".word(names, n)[7:], \
+     for [n=1:2] data index part(n, col) using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb colour_col[n] title "collision, {/Symbol g}* = ".word(names, n)[7:]
+@lower
+set xlabel "density n*" offset 0,0.4
+set yrange [-20:20]
+unset key
+plot 0 with lines lw 2 lc rgb grey, \
+     for [n=1:2] data index part(n, kin) using 1:(100*$5):(100*$6) with yerrorbars pt 7 lw 1.5 lc rgb colour_kin[n], \
+     for [n=1:2] data index part(n, col) using 1:(100*$5):(100*$6) with yerrorbars pt 5 lw 1.5 lc rgb colour_col[n]
+@finish

@@ -1,0 +1,374 @@
+/// @file
+/// Reading scenes: what is allowed, and one line (file, line, key, what is allowed) for everything that is not.
+#define BOOST_TEST_MODULE scene
+#include <unistd.h>
+
+#include <boost/test/unit_test.hpp>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "errors.hpp"
+#include "scene.hpp"
+
+using namespace dpd;
+
+namespace {
+
+/// A good scene, by line; a test replaces one line by another.
+std::vector<std::string> const good{
+    "title = \"a scene\"",                                   // 1
+    "dimension = 3",                                         // 2
+    "seed = 5",                                              // 3
+    "stages = [\"shardlow\", \"sample\", \"drift\"]",        // 4
+    "[box]",                                                 // 5
+    "length = [4.0, 5.0, 6.0]",                              // 6
+    "shear_rate = 0.1",                                      // 7
+    "[particles]",                                           // 8
+    "density = 3.0",                                         // 9
+    "mass = 2.0",                                            // 10
+    "[shardlow]",                                            // 11
+    "friction = 9.0",                                        // 12
+    "weight = \"linear\"",                                   // 13
+    "[time]",                                                // 14
+    "step = 0.1",                                            // 15
+    "duration = 10.0",                                       // 16
+    "[sample]",                                              // 17
+    "observables = [\"kinetic_temperature\", \"stress\"]",   // 18
+    "[sample.radial_distribution]",                          // 19
+    "range = 2.0",                                           // 20
+    "[sample.mean_square_displacement]",                     // 21
+    "longest = 2.0",                                         // 22
+    "[pairs]",                                               // 23
+    "order = \"cell\"",                                      // 24
+    "[trajectory]",                                          // 25
+    "interval = 10",                                         // 26
+};
+
+std::string join(std::vector<std::string> const& lines) {
+    std::string text;
+    for (auto const& line : lines) text += line + "\n";
+    return text;
+}
+
+std::string with(std::size_t line, std::string const& replacement) {
+    auto lines = good;
+    lines.at(line - 1) = replacement;
+    return join(lines);
+}
+
+/// What an action complains of; empty if it does not.
+std::string complaint(std::function<void()> const& action) {
+    try {
+        action();
+    } catch (InputError const& error) {
+        return error.what();
+    }
+    return "";
+}
+
+/// One line that begins with `begin` and contains `words`.
+void check_message(std::string const& message, std::string const& begin, std::vector<std::string> const& words) {
+    BOOST_TEST(message.find('\n') == std::string::npos, "more than one line: " << message);
+    BOOST_TEST(message.starts_with(begin), "\"" << message << "\" does not begin with " << begin);
+    for (auto const& word : words)
+        BOOST_TEST(message.find(word) != std::string::npos, "\"" << message << "\" lacks " << word);
+}
+
+struct Mistake {
+    std::size_t line;         ///< of `good`, to be replaced
+    std::string replacement;  ///< by this
+    std::string begin;        ///< of the message, after "f.toml:"
+    std::vector<std::string> words;
+};
+
+class Directory {
+public:
+    Directory() { std::filesystem::create_directories(path); }
+    ~Directory() { std::filesystem::remove_all(path); }
+    std::filesystem::path const path =
+        std::filesystem::temp_directory_path() / ("dpdref_scene_test." + std::to_string(::getpid()));
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_good_scene_is_read_as_written) {
+    Scene const scene = parse_scene(join(good), "f.toml");
+    BOOST_TEST(scene.title == "a scene");
+    BOOST_TEST(scene.dimension == 3);
+    BOOST_TEST(scene.seed == 5u);
+    BOOST_TEST(scene.stages == (std::vector<std::string>{"shardlow", "sample", "drift"}));
+    BOOST_TEST(scene.length == (std::vector<double>{4.0, 5.0, 6.0}));
+    BOOST_TEST(scene.volume() == 120.0);
+    BOOST_TEST(scene.shear_rate == 0.1);
+    BOOST_TEST(scene.particles == 360u);
+    BOOST_TEST(scene.density() == 3.0);
+    BOOST_TEST(scene.mass == 2.0);
+    BOOST_TEST(scene.shardlow.friction == 9.0);
+    BOOST_TEST((scene.shardlow.weight == Weight::linear));
+    BOOST_TEST(scene.time_step == 0.1);
+    BOOST_TEST(scene.production_steps == 100u);
+    BOOST_TEST(scene.sample.kinetic_temperature);
+    BOOST_TEST(scene.sample.stress);
+    BOOST_TEST(!scene.sample.momentum);
+    BOOST_TEST(scene.sample.steps == 100u);
+    BOOST_TEST(scene.sample.radial_distribution->range == 2.0);
+    BOOST_TEST(scene.sample.mean_square_displacement->lags == 20u);
+    BOOST_TEST(scene.trajectory_interval == 10u);
+}
+
+BOOST_AUTO_TEST_CASE(defaults) {
+    Scene const scene = parse_scene(
+        "dimension = 2\nstages = [\"drift\"]\n[box]\nlength = [3, 3]\n[particles]\nnumber = 7\n"
+        "[time]\nstep = 0.5\nduration = 2\n",
+        "f.toml");
+    BOOST_TEST(scene.title == "");
+    BOOST_TEST(scene.seed == 1u);
+    BOOST_TEST(scene.particles == 7u);
+    BOOST_TEST(scene.mass == 1.0);
+    BOOST_TEST(scene.kT == 1.0);
+    BOOST_TEST(scene.shear_rate == 0.0);
+    BOOST_TEST(scene.equilibration_steps == 0u);
+    BOOST_TEST(scene.production_steps == 4u);
+    BOOST_TEST(scene.checkpoint_seconds == 30.0);
+    BOOST_TEST((scene.search == Search::cell));
+    BOOST_TEST((scene.order == Order::cell));
+    BOOST_TEST(scene.trajectory_interval == 0u);
+    BOOST_TEST(scene.sample.interval == 1u);
+    BOOST_TEST(!scene.sample.kinetic_temperature);
+    BOOST_TEST(!scene.sample.momentum);
+    BOOST_TEST(!scene.sample.stress);
+    BOOST_TEST(!scene.sample.profile.has_value());
+    BOOST_TEST(!scene.sample.radial_distribution.has_value());
+    BOOST_TEST(!scene.sample.mean_square_displacement.has_value());
+    BOOST_TEST(!scene.sample.velocity_autocorrelation.has_value());
+
+    auto lines = good;
+    lines[12] = "";
+    lines[21] = "longest = 2.0\n[sample.velocity_autocorrelation]\nlongest = 1.0\n[sample.profile]";
+    Scene const thermostatted = parse_scene(join(lines), "f.toml");
+    BOOST_TEST((thermostatted.shardlow.weight == Weight::linear));
+    BOOST_TEST(thermostatted.shardlow.cutoff == 1.0);
+    BOOST_TEST(thermostatted.shardlow.kT == 1.0);
+    BOOST_TEST(thermostatted.sample.velocity_autocorrelation->spacing == 1u);
+    BOOST_TEST(thermostatted.sample.velocity_autocorrelation->origin_spacing == 1u);
+    BOOST_TEST(thermostatted.sample.profile->interval == 1u);
+    BOOST_TEST(thermostatted.sample.profile->bins == 40u);
+    BOOST_TEST(thermostatted.sample.radial_distribution->interval == 100u);
+    BOOST_TEST(thermostatted.sample.radial_distribution->bins == 100u);
+}
+
+BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
+    std::string const number = "a number > 0";
+    std::vector<Mistake> const mistakes{
+        // unknown keys: in the root, in a table, two levels deep
+        {3, "sed = 5", "3: sed: ", {"unknown key", "allowed", "seed"}},
+        {13, "wieght = \"linear\"", "13: shardlow.wieght: ", {"unknown key", "allowed", "weight"}},
+        {22, "longest = 2.0\nlags = 3", "23: sample.mean_square_displacement.lags: ", {"unknown key", "longest"}},
+        {23, "[pears]", "23: pears: ", {"unknown key", "allowed", "pairs"}},
+        {1, "\"ti\\ntle\" = 1", "1: ", {"unknown key", "allowed"}},
+        // numbers
+        {15, "step = -0.1", "15: time.step: ", {"-0.1", "allowed", number}},
+        {15, "step = 0.0", "15: time.step: ", {"0", "allowed", number}},
+        {15, "step = 0", "15: time.step: ", {"0", "allowed", number}},
+        {15, "step = nan", "15: time.step: ", {"nan", "allowed", number}},
+        {15, "step = inf", "15: time.step: ", {"inf", "allowed", number}},
+        {15, "step = -inf", "15: time.step: ", {"inf", "allowed", number}},
+        {15, "step = \"0.1\"", "15: time.step: ", {"0.1", "allowed", number}},
+        {15, "step = true", "15: time.step: ", {"true", "allowed", number}},
+        {15, "step = [0.1]", "15: time.step: ", {"a list", "allowed", number}},
+        {15, "step = {x = 1}", "15: time.step: ", {"a table", "allowed", number}},
+        {15, "", "14: time.step: ", {"is missing", "allowed", number}},
+        {16, "duration = 0.0", "16: time.duration: ", {"allowed", number}},
+        {16, "duration = 1e300", "16: time.duration: ", {"10^15 steps"}},
+        {16, "duration = 1.0\nequilibration = -1.0", "17: time.equilibration: ", {"allowed", ">= 0"}},
+        {16, "duration = 1.0\ncheckpoint = 0", "17: time.checkpoint: ", {"allowed", number}},
+        {7, "shear_rate = nan", "7: box.shear_rate: ", {"nan", "allowed", "finite"}},
+        {7, "shear_rate = inf", "7: box.shear_rate: ", {"inf", "allowed", "finite"}},
+        {9, "density = 0", "9: particles.density: ", {"allowed", number}},
+        {9, "density = nan", "9: particles.density: ", {"allowed", number}},
+        {9, "density = 0.01", "9: particles.density: ", {"1 particles", "allowed", "2 to 10^9"}},
+        {9, "density = 1e12", "9: particles.density: ", {"particles", "allowed", "2 to 10^9"}},
+        {9, "number = 0", "9: particles.number: ", {"allowed", "an integer >= 1"}},
+        {9, "number = 1", "9: particles.number: ", {"allowed", "2 to 10^9"}},
+        {9, "number = 2.5", "9: particles.number: ", {"2.5", "allowed", "an integer >= 1"}},
+        {9, "", "8: particles.density: ", {"particles.number or particles.density"}},
+        {9, "density = 1.0\nnumber = 9", "9: particles.density: ", {"particles.number or particles.density"}},
+        {10, "mass = 0", "10: particles.mass: ", {"allowed", number}},
+        {10, "kT = -1", "10: particles.kT: ", {"allowed", "a number >= 0"}},
+        {12, "friction = -1", "12: shardlow.friction: ", {"allowed", "a number >= 0"}},
+        {12, "", "11: shardlow.friction: ", {"is missing", "allowed"}},
+        {13, "cutoff = 0", "13: shardlow.cutoff: ", {"allowed", number}},
+        {13, "kT = nan", "13: shardlow.kT: ", {"nan", "allowed"}},
+        // the box
+        {6, "length = [1.5, 5.0, 6.0]", "6: box.length: ", {"1.5", "allowed", "two cutoffs, 2"}},
+        {13, "cutoff = 2.5", "6: box.length: ", {"4", "allowed", "two cutoffs, 5"}},
+        {6, "length = [4.0, 5.0]", "6: box.length: ", {"2 sides", "allowed", "3"}},
+        {6, "length = [4.0, 5.0, 6.0, 7.0]", "6: box.length: ", {"4 sides", "allowed", "3"}},
+        {6, "length = 4.0", "6: box.length: ", {"4", "allowed", "a list"}},
+        {6, "length = [4.0, -5.0, 6.0]", "6: box.length: ", {"-5", "allowed", number}},
+        {6, "length = [4.0, \"5\", 6.0]", "6: box.length: ", {"allowed", number}},
+        {6, "", "5: box.length: ", {"is missing", "allowed"}},
+        {20, "range = 2.1", "20: sample.radial_distribution.range: ", {"half the shortest box side, 2"}},
+        // choices
+        {2, "dimension = 4", "2: dimension: ", {"4", "allowed", "2 or 3"}},
+        {2, "dimension = 3.0", "2: dimension: ", {"allowed", "2 or 3"}},
+        {2, "dimension = \"three\"", "2: dimension: ", {"three", "allowed", "2 or 3"}},
+        {2, "", "1: dimension: ", {"is missing", "allowed", "2 or 3"}},
+        {3, "seed = -1", "3: seed: ", {"-1", "allowed", "an integer >= 0"}},
+        {3, "seed = 1.5", "3: seed: ", {"1.5", "allowed", "an integer >= 0"}},
+        {1, "title = 3", "1: title: ", {"3", "allowed", "a string"}},
+        {4, "stages = [\"shardlow\", \"jump\", \"sample\", \"drift\"]", "4: stages: ", {"jump", "allowed", "drift"}},
+        {4, "stages = []", "4: stages: ", {"is empty", "allowed", "drift"}},
+        {4, "stages = \"drift\"", "4: stages: ", {"allowed", "a list of", "drift"}},
+        {4, "stages = [1]", "4: stages: ", {"1", "allowed", "drift"}},
+        {4, "", "1: stages: ", {"is missing", "allowed", "drift"}},
+        {13, "weight = \"cubic\"", "13: shardlow.weight: ", {"cubic", "allowed", "quadratic"}},
+        {13, "weight = \"li\\nnear\"", "13: shardlow.weight: ", {"allowed", "quadratic"}},
+        {13, "weight = 1", "13: shardlow.weight: ", {"1", "allowed", "quadratic"}},
+        {18, "observables = [\"pressure\"]", "18: sample.observables: ", {"pressure", "allowed", "stress"}},
+        {18, "interval = 0", "18: sample.interval: ", {"0", "allowed", "an integer >= 1"}},
+        {24, "order = \"sorted\"", "24: pairs.order: ", {"sorted", "allowed", "random"}},
+        {24, "search = \"tree\"", "24: pairs.search: ", {"tree", "allowed", "brute"}},
+        {26, "interval = 0", "26: trajectory.interval: ", {"0", "allowed", "an integer >= 1"}},
+        {26, "", "25: trajectory.interval: ", {"is missing", "allowed"}},
+        // tables and stages that do not belong together
+        {26, "interval = 1\n[euler]\ngamma = 1\nsigma = 1", "27: euler: ", {"not among the stages"}},
+        {4, "stages = [\"drift\", \"sample\"]", "11: shardlow: ", {"not among the stages"}},
+        {4, "stages = [\"shardlow\", \"drift\"]", "17: sample: ", {"not among the stages"}},
+        {4, "stages = [\"shardlow\", \"euler\", \"sample\", \"drift\"]", "1: euler: ", {"is missing", "allowed", "[euler]"}},
+        {4, "stages = [\"shardlow\", \"kick\", \"sample\", \"drift\"]", "4: stages: ", {"kick", "euler"}},
+        // stress needs the impulses of a pair update at the present positions
+        {4, "stages = [\"sample\", \"shardlow\", \"drift\"]", "4: stages: ", {"stress", "allowed"}},
+        {4, "stages = [\"shardlow\", \"drift\", \"sample\"]", "4: stages: ", {"stress", "allowed"}},
+        {4, "stages = [\"shardlow\", \"scatter\", \"sample\", \"drift\"]", "4: stages: ", {"stress", "allowed"}},
+        // syntax
+        {15, "step = ", "15: ", {}},
+        {15, "step 0.1", "15: ", {}},
+        {6, "length = [4.0, 5.0, 6.0", "7: ", {}},
+        {16, "step = 0.1", "16: ", {"step"}},
+    };
+    for (auto const& mistake : mistakes) {
+        std::string const message = complaint([&] { parse_scene(with(mistake.line, mistake.replacement), "f.toml"); });
+        BOOST_TEST_CONTEXT("line " << mistake.line << ": " << mistake.replacement)
+        check_message(message, "f.toml:" + mistake.begin, mistake.words);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_kick_needs_its_impulses_first) {
+    auto const scene = [](std::string const& stages) {
+        return "dimension = 2\nstages = [" + stages +
+               "]\n[box]\nlength = [3, 3]\n[particles]\nnumber = 7\n[euler]\ngamma = 1\nsigma = 1\n"
+               "[time]\nstep = 0.5\nduration = 2\n";
+    };
+    BOOST_TEST(complaint([&] { parse_scene(scene("'euler', 'drift', 'kick'"), "f.toml"); }) == "");
+    check_message(complaint([&] { parse_scene(scene("'kick', 'drift', 'euler'"), "f.toml"); }),
+                  "f.toml:2: stages: ", {"kick", "euler"});
+}
+
+BOOST_AUTO_TEST_CASE(missing_tables) {
+    for (std::string const& table : {"box", "particles", "shardlow", "time"}) {
+        std::string text;
+        bool inside = false;
+        for (auto const& line : good) {
+            if (line.starts_with("[")) inside = line == "[" + table + "]";
+            if (!inside) text += line + "\n";
+        }
+        check_message(complaint([&] { parse_scene(text, "f.toml"); }), "f.toml:1: " + table + ": ",
+                      {"is missing", "allowed", "[" + table + "]"});
+    }
+    check_message(complaint([] { parse_scene("time = 3\n" + with(14, ""), "f.toml"); }), "f.toml:", {"time"});
+    check_message(complaint([] { parse_scene("", "f.toml"); }), "f.toml", {"dimension", "is missing", "2 or 3"});
+}
+
+BOOST_AUTO_TEST_CASE(files_that_cannot_be_read) {
+    Directory const directory;
+    auto const missing = directory.path / "no" / "scene.toml";
+    check_message(complaint([&] { load_scene(missing); }), missing.string() + ": ", {"cannot be read"});
+    check_message(complaint([&] { load_scene(directory.path); }), directory.path.string() + ": ",
+                  {"cannot be read"});
+    auto const empty = directory.path / "empty.toml";
+    std::ofstream(empty).close();
+    check_message(complaint([&] { load_scene(empty); }), empty.string(), {"dimension", "is missing"});
+    auto const binary = directory.path / "binary.toml";
+    std::ofstream(binary, std::ios::binary) << "\x89HDF\r\n\x1a\n" << std::string(100, '\0');
+    check_message(complaint([&] { load_scene(binary); }), binary.string() + ":1: ", {});
+    auto const file = directory.path / "good.toml";
+    std::ofstream(file) << join(good);
+    BOOST_TEST(load_scene(file).particles == 360u);
+}
+
+BOOST_AUTO_TEST_CASE(overrides) {
+    auto const set = [](std::vector<std::string> const& assignments) {
+        return parse_scene(join(good), "f.toml", assignments);
+    };
+    BOOST_TEST(set({"time.step=0.2"}).time_step == 0.2);
+    BOOST_TEST(set({"time.step=0.2", "time.step=0.25"}).time_step == 0.25);  // the last one counts
+    BOOST_TEST(set({"dimension=2", "box.length=[4.0, 5.0]"}).length.size() == 2u);
+    BOOST_TEST((set({"shardlow.weight=constant"}).shardlow.weight == Weight::constant));  // a bare string
+    BOOST_TEST((set({"shardlow.weight=\"constant\""}).shardlow.weight == Weight::constant));
+    BOOST_TEST(set({"title=x = y"}).title == "x = y");
+    BOOST_TEST(set({"title="}).title == "");
+    BOOST_TEST(set({"title=it's \"so\""}).title == "it's \"so\"");
+    BOOST_TEST(set({"seed=8"}).seed == 8u);
+    BOOST_TEST(set({"sample.profile.bins=8"}).sample.profile->bins == 8u);  // a table the file lacks
+    BOOST_TEST(parse_scene(join(good), "f.toml", {"seed=8"}, 9).seed == 9u);
+
+    auto const complaint_of = [&](std::string const& assignment) {
+        return complaint([&] { set({assignment}); });
+    };
+    check_message(complaint_of("time.step"), "--set time.step: ", {"allowed", "table.key=value"});
+    check_message(complaint_of(""), "--set ", {"allowed", "table.key=value"});
+    check_message(complaint_of("=3"), "--set =3: ", {"allowed", "table.key=value"});
+    check_message(complaint_of("time.setp=3"), "--set time.setp: ", {"unknown key", "allowed", "step"});
+    check_message(complaint_of("stepp=3"), "--set stepp: ", {"unknown key", "allowed", "stages"});
+    check_message(complaint_of("tme.step=3"), "--set tme.step: ", {"tme", "unknown key", "allowed", "time"});
+    check_message(complaint_of(".a=3"), "--set .a: ", {"unknown key", "allowed"});
+    check_message(complaint_of("time.step=-3"), "--set time.step: ", {"-3", "allowed", "a number > 0"});
+    check_message(complaint_of("time.step=fast"), "--set time.step: ", {"fast", "allowed", "a number > 0"});
+    check_message(complaint_of("time.step="), "--set time.step: ", {"allowed", "a number > 0"});
+    check_message(complaint_of("time.step.x=3"), "--set time.step.x: ", {"step is not a table"});
+    check_message(complaint_of("time=3"), "--set time: ", {"3", "allowed", "a table"});
+    check_message(complaint_of("shardlow.weight=cubic"), "--set shardlow.weight: ", {"cubic", "allowed", "linear"});
+    check_message(complaint_of("shardlow.weight=cu\nbic"), "--set shardlow.weight: ", {"allowed", "linear"});
+    check_message(complaint_of("shardlow.weight=c'u\"b"), "--set shardlow.weight: ", {"allowed", "linear"});
+    check_message(complaint_of("time.step=1\nmass=3"), "--set time.step: ", {"allowed", "a number > 0"});
+}
+
+BOOST_AUTO_TEST_CASE(key_names_what_determines_the_results) {
+    auto const key = [](std::string const& text, std::vector<std::string> const& assignments = {},
+                        std::optional<std::uint64_t> seed = {}) {
+        return parse_scene(text, "f.toml", assignments, seed).key();
+    };
+    std::string const reference = key(join(good));
+    BOOST_TEST(reference.size() == 36u);
+    BOOST_TEST(key(join(good)) == reference);
+    BOOST_TEST(parse_scene(join(good), "another_name.toml").key() == reference);
+
+    // comments, blank lines and order do not matter
+    std::string commented = "# a comment\n\n";
+    for (auto const& line : good) commented += line + "  # why\n\n";
+    BOOST_TEST(key(commented) == reference);
+    std::vector<std::string> reordered(good.begin() + 13, good.end());                       // [time] ...
+    reordered.insert(reordered.begin(), good.begin(), good.begin() + 4);                     // the root
+    reordered.insert(reordered.end(), good.begin() + 4, good.begin() + 13);                  // [box] ...
+    BOOST_TEST(key(join(reordered)) == reference);
+    std::swap(reordered[0], reordered[2]);
+    BOOST_TEST(key(join(reordered)) == reference);
+    BOOST_TEST(key(join(good), {"time.step=0.1"}) == reference);  // an override that changes nothing
+
+    // everything else does: a value, down to its last bit, and the seed, wherever it is given
+    BOOST_TEST(key(with(15, "step = 0.2")) != reference);
+    BOOST_TEST(key(with(15, "step = 0.10000000000000001")) == reference);  // the same number
+    BOOST_TEST(key(with(15, "step = 0.10000000000000002")) != reference);  // the next number
+    BOOST_TEST(key(with(10, "mass = 2.000000000000001")) != reference);
+    BOOST_TEST(key(with(13, "weight = \"constant\"")) != reference);
+    BOOST_TEST(key(with(13, "")) != reference);
+    BOOST_TEST(key(join(good), {"shardlow.weight=constant"}) == key(with(13, "weight = \"constant\"")));
+    BOOST_TEST(key(with(3, "seed = 6")) != reference);
+    BOOST_TEST(key(join(good), {}, 6) == key(with(3, "seed = 6")));
+    BOOST_TEST(key(join(good), {"seed=6"}) == key(with(3, "seed = 6")));
+    BOOST_TEST(key(join(good), {}, 0) != key(join(good), {}, ~std::uint64_t{0}));
+}

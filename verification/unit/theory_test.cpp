@@ -1,0 +1,868 @@
+/// @file
+/// The closed forms against integrals done by hand, against their limits, and against direct averages of the
+/// update they describe; with proofs of which printed constants do not follow.
+#define BOOST_TEST_MODULE theory
+#include <algorithm>
+#include <array>
+#include <boost/math/quadrature/gauss.hpp>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "theory/closed_forms.hpp"
+#include "theory/registry.hpp"
+
+using namespace dpd;
+using namespace dpd::theory;
+using std::numbers::pi;
+
+namespace {
+
+constexpr double precision = 1e-10;  ///< relative, of every comparison with an exact expression
+
+void check_close(double value, double expected, double relative = precision) {
+    BOOST_TEST(
+        std::abs(value - expected) <= relative * std::abs(expected),
+        "value " << value << ", expected " << expected << ", relative difference " << value / expected - 1.0);
+}
+
+constexpr std::array all_weights{Weight::constant, Weight::linear, Weight::quadratic, Weight::parabolic,
+                                 Weight::root};
+
+double factorial(int k) { return k < 2 ? 1.0 : k * factorial(k - 1); }
+
+/// Integral over x in (0, 1) of w(x) x^k, by hand.
+double moment(Weight weight, int k) {
+    switch (weight) {
+        case Weight::constant:
+            return 1.0 / (k + 1);
+        case Weight::linear:
+            return 1.0 / ((k + 1) * (k + 2));
+        case Weight::quadratic:
+            return 2.0 / ((k + 1) * (k + 2) * (k + 3));
+        case Weight::parabolic:
+            return 2.0 / ((k + 1) * (k + 3));
+        case Weight::root: {  // Euler's Beta(k + 1, 3/2)
+            double product = 1.0;
+            for (int j = 0; j <= k; ++j) product *= 1.5 + j;
+            return factorial(k) / product;
+        }
+    }
+    throw std::logic_error("weight");
+}
+
+/// Integral over x in (0, 1) of w(x)^2 x^k, by hand.
+double squared_moment(Weight weight, int k) {
+    switch (weight) {
+        case Weight::constant:
+            return 1.0 / (k + 1);
+        case Weight::linear:
+            return moment(Weight::quadratic, k);
+        case Weight::quadratic:
+            return 24.0 * factorial(k) / factorial(k + 5);  // Beta(k + 1, 5)
+        case Weight::parabolic:
+            return 1.0 / (k + 1) - 2.0 / (k + 3) + 1.0 / (k + 5);
+        case Weight::root:
+            return moment(Weight::linear, k);
+    }
+    throw std::logic_error("weight");
+}
+
+using Real = long double;  // the recurrences below cancel
+
+/// Integral over t in (0, 1) of t^k / D^p with D = 1 + a t^q, for p, q in {1, 2}, by recurrence.
+Real rational(int k, int p, int q, Real a) {
+    if (p == 1 && q == 1) return k == 0 ? std::log1p(a) / a : (1.0L / k - rational(k - 1, 1, 1, a)) / a;
+    if (p == 2 && q == 1)
+        return k == 0 ? 1 / (1 + a) : (-1 / (1 + a) + static_cast<Real>(k) * rational(k - 1, 1, 1, a)) / a;
+    if (k >= 2) return ((p == 1 ? 1.0L / (k - 1) : rational(k - 2, 1, 2, a)) - rational(k - 2, p, q, a)) / a;
+    Real const arc = std::atan(std::sqrt(a)) / std::sqrt(a);
+    if (p == 1) return k == 0 ? arc : std::log1p(a) / (2 * a);
+    return k == 0 ? (1 / (1 + a) + arc) / 2 : 1 / (2 * (1 + a));
+}
+
+/// Integral over x in (0, 1) of x^k / (1 + a - a x^2)^p, p in {1, 2}, by recurrence.
+Real rational_parabolic(int k, int p, Real a) {
+    Real const b = 1 + a;
+    if (p == 1) {
+        if (k == 0) return std::atanh(std::sqrt(a / b)) / std::sqrt(a * b);
+        if (k == 1) return std::log(b) / (2 * a);
+        return (b * rational_parabolic(k - 2, 1, a) - 1.0L / (k - 1)) / a;
+    }
+    if (k == 1) return (1 - 1 / b) / (2 * a);
+    return (1 - (k - 1) * rational_parabolic(k - 2, 1, a)) / (2 * a);
+}
+
+/// Integral over x in (0, 1) of x^k / (1 + a w(x))^p; k >= 1.
+Real denominator_moment(Weight weight, int k, int p, Real a) {
+    if (p == 0) return 1.0L / (k + 1);
+    if (weight == Weight::constant) return 1 / std::pow(1 + a, static_cast<Real>(p)) / (k + 1);
+    if (weight == Weight::parabolic) return rational_parabolic(k, p, a);
+    // x = 1 - t (linear, quadratic) or 1 - t^2 (root, with dx = -2 t dt), expanded in powers of t
+    bool const root = weight == Weight::root;
+    int const q = weight == Weight::quadratic ? 2 : 1;
+    Real sum = 0;
+    for (int j = 0; j <= k; ++j) {
+        Real const binomial = factorial(k) / (factorial(j) * factorial(k - j));
+        Real const term = root ? 2 * rational(2 * j + 1, p, q, a) : rational(j, p, q, a);
+        sum += (j % 2 == 0 ? 1 : -1) * binomial * term;
+    }
+    return sum;
+}
+
+/// Integrals over x in (0, 1) of A x^k and A^2 x^k with A = a w/(1 + a w) = 1 - 1/(1 + a w).
+double A_moment(Weight weight, int k, double a) {
+    return static_cast<double>(denominator_moment(weight, k, 0, a) - denominator_moment(weight, k, 1, a));
+}
+double squared_A_moment(Weight weight, int k, double a) {
+    return static_cast<double>(denominator_moment(weight, k, 0, a) - 2 * denominator_moment(weight, k, 1, a) +
+                               denominator_moment(weight, k, 2, a));
+}
+
+/// Nothing is 1, so that a missing power shows.
+struct Case {
+    int d;
+    Weight weight;
+    double n, m, kT, gamma, sigma, rc, dt, Gamma;
+    double a() const { return gamma * dt / m; }
+    Gas gas() const { return {.d = d, .n = n, .m = m, .kT = kT, .rc = rc}; }
+    Shardlow shardlow() const { return {.gamma = gamma, .weight = weight}; }
+    Lowe lowe() const { return {.Gamma = Gamma}; }
+    ExplicitDpd explicit_dpd() const {
+        return {.d = d, .n = n, .m = m, .gamma = gamma, .sigma = sigma, .rc = rc, .weight = weight};
+    }
+};
+
+std::vector<Case> cases() {
+    std::vector<Case> list;
+    for (int d : {2, 3})
+        for (auto weight : all_weights) {
+            list.push_back({d, weight, 0.7, 2.3, 1.7, 5.1, 1.9, 1.4, 0.6, 1.1});
+            list.push_back({d, weight, 3.1, 0.4, 0.6, 0.9, 0.7, 0.8, 1.3, 0.5});
+        }
+    return list;
+}
+
+using Given = std::vector<std::pair<std::string, std::string>>;
+
+// Columns are components: a symmetric second-rank tensor <v_a v_b>, and the update of eq. 4 acting on it.
+using Vector = std::array<double, 3>;
+using Tensor = std::array<Vector, 3>;
+
+/// <v_i v_i> after a pair update along e when both partners had P and independent velocities.
+Tensor after_pair_update(Tensor const& P, Vector const& e, int d, double A, double B, double kT) {
+    Tensor keep{};  // 1 - A e e
+    double ePe = 0.0;
+    for (int a = 0; a < d; ++a)
+        for (int b = 0; b < d; ++b) {
+            auto const i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+            keep[i][j] = (a == b ? 1.0 : 0.0) - A * e[i] * e[j];
+            ePe += e[i] * P[i][j] * e[j];
+        }
+    Tensor result{};
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b) {
+            for (std::size_t i = 0; i < 3; ++i)
+                for (std::size_t j = 0; j < 3; ++j) result[a][b] += keep[a][i] * P[i][j] * keep[j][b];
+            result[a][b] += (A * A * ePe + B * B * 2.0 * kT) * e[a] * e[b];
+        }
+    return result;
+}
+
+/// Average of f(e) over directions, exact for polynomials of e up to degree 8.
+template <class F>
+Tensor average_over_directions(int d, F f) {
+    Tensor mean{};
+    auto const add = [&mean](Tensor const& term, double share) {
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b) mean[a][b] += share * term[a][b];
+    };
+    constexpr int azimuths = 12;
+    using Gauss = boost::math::quadrature::gauss<double, 7>;  // holds the nodes >= 0 only
+    for (int k = 0; k < azimuths; ++k) {
+        double const phi = 2.0 * pi * k / azimuths;
+        if (d == 2) {
+            add(f(Vector{std::cos(phi), std::sin(phi), 0.0}), 1.0 / azimuths);
+            continue;
+        }
+        for (std::size_t i = 0; i < Gauss::abscissa().size(); ++i)
+            for (double sign : {-1.0, 1.0}) {
+                double const z = sign * Gauss::abscissa()[i];
+                if (z == 0.0 && sign < 0.0) continue;
+                double const radius = std::sqrt(1.0 - z * z);
+                add(f(Vector{radius * std::cos(phi), radius * std::sin(phi), z}),
+                    Gauss::weights()[i] / 2.0 / azimuths);
+            }
+    }
+    return mean;
+}
+
+/// Factor on <v_x v_y> of one pair update at A, averaged over directions, from the update itself.
+double stress_factor_of_one_pair(int d, double A, double m, double kT) {
+    double const B = std::sqrt(A * (1.0 - A) / m);
+    double const q = 0.3;
+    Tensor P{};
+    for (std::size_t a = 0; a < static_cast<std::size_t>(d); ++a) P[a][a] = kT / m;
+    P[0][1] = P[1][0] = q;
+    auto const after =
+        average_over_directions(d, [&](Vector const& e) { return after_pair_update(P, e, d, A, B, kT); });
+    for (std::size_t a = 0; a < static_cast<std::size_t>(d); ++a) check_close(after[a][a], kT / m, 1e-13);
+    return after[0][1] / q;
+}
+
+}  // namespace
+
+// --------------------------------------------------------------------------------------------------
+// integrals
+
+BOOST_AUTO_TEST_CASE(volume_integral_of_the_weights) {
+    for (auto weight : all_weights)
+        for (double rc : {1.0, 0.37, 4.0}) {
+            auto const w = [=](double r) { return weight_at(weight, r / rc); };
+            auto const w2 = [=](double r) { return w(r) * w(r); };
+            check_close(volume_integral(2, rc, w), 2 * pi * rc * rc * moment(weight, 1), 1e-12);
+            check_close(volume_integral(3, rc, w), 4 * pi * rc * rc * rc * moment(weight, 2), 1e-12);
+            check_close(volume_integral(2, rc, w2), 2 * pi * rc * rc * squared_moment(weight, 1), 1e-12);
+            check_close(volume_integral(3, rc, w2), 4 * pi * rc * rc * rc * squared_moment(weight, 2), 1e-12);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(volume_integral_of_a_boundary_layer) {
+    // S1 at a = gamma dt/m = 10^6 rises from 0 to 1 within 10^-6 of the cutoff. Linear weight, d = 2:
+    // integral of x A = 1/2 - ((1 + a) ln(1 + a)/a - 1)/a.
+    double const a = 1e6;
+    auto const A = [=](double r) { return shardlow_A(1.0 - r, 1.0, a); };
+    check_close(volume_integral(2, 1.0, A), 2 * pi * (0.5 - ((1 + a) * std::log1p(a) / a - 1) / a));
+}
+
+BOOST_AUTO_TEST_CASE(dimension_is_two_or_three) {
+    check_close(unit_sphere_surface(2), 6.283185307179586, 1e-15);
+    check_close(unit_sphere_surface(3), 12.566370614359172, 1e-15);
+    for (int d : {-1, 0, 1, 4}) BOOST_CHECK_THROW(unit_sphere_surface(d), std::invalid_argument);
+}
+
+// -----------------------------------------------------------------------------------------------------
+// MY1997
+
+BOOST_AUTO_TEST_CASE(my23_integrals) {
+    for (auto const& c : cases()) {
+        auto const fluid = c.explicit_dpd();
+        double const S = c.d == 2 ? 2 * pi * c.rc * c.rc : 4 * pi * c.rc * c.rc * c.rc;
+        check_close(A1(fluid), c.gamma * S * moment(c.weight, c.d - 1) / (c.m * c.d));
+        check_close(A2(fluid),
+                    2 * c.gamma * c.gamma * S * squared_moment(c.weight, c.d - 1) / (c.m * c.m * c.d));
+        check_close(A3(fluid), c.sigma * c.sigma * S * moment(c.weight, c.d - 1) / c.d);
+        for (auto random_weight : all_weights) {
+            auto unmatched = fluid;
+            unmatched.random_weight = random_weight;
+            check_close(A3(unmatched), c.sigma * c.sigma * S * squared_moment(random_weight, c.d - 1) / c.d);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(my22_balances_the_second_moment) {
+    // Eq. 20 with eq. 22's temperature must vanish; written with [w] by hand, half way to the critical step.
+    for (auto const& c : cases()) {
+        auto const fluid = c.explicit_dpd();
+        double const dt = 0.5 * critical_step(fluid);
+        double const kT = temperature_at_finite_step(fluid, dt);
+        double const S = c.d == 2 ? 2 * pi * c.rc * c.rc : 4 * pi * c.rc * c.rc * c.rc;
+        double const w = S * moment(c.weight, c.d - 1), w2 = S * squared_moment(c.weight, c.d - 1);
+        double const friction = 2 * c.gamma * dt * kT * c.n * w;
+        double const noise = c.sigma * c.sigma * dt * w * c.n;
+        double const second_order =
+            kT * c.gamma * c.gamma * dt * dt / c.m * (2 * c.n * w2 + c.n * c.n * w * w / c.d);
+        check_close(noise + second_order, friction);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(my22_small_step_is_fluctuation_dissipation_at_first_order) {
+    for (auto const& c : cases()) {
+        auto const fluid = c.explicit_dpd();
+        double const kT0 = c.sigma * c.sigma / (2 * c.gamma);
+        double const h = 1e-3 * critical_step(fluid);
+        double const error = temperature_at_finite_step(fluid, h) / kT0 - 1;
+        double const half_error = temperature_at_finite_step(fluid, h / 2) / kT0 - 1;
+        // T/T0 = 1/(1 - dt/dt_c)
+        check_close(error, 1e-3 / (1 - 1e-3), 1e-8);
+        check_close(error / half_error, 2.0, 1e-3);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(my25_and_my26_are_where_my22_diverges) {
+    for (auto const& c : cases()) {
+        auto fluid = c.explicit_dpd();
+        double const dt_c = critical_step(fluid);
+        double const kT0 = c.sigma * c.sigma / (2 * c.gamma);
+        check_close(temperature_at_finite_step(fluid, dt_c * (1 - 1e-3)), kT0 * 1e3, 1e-8);
+        check_close(critical_density(fluid, dt_c), c.n);
+        BOOST_CHECK_THROW(temperature_at_finite_step(fluid, dt_c * (1 + 1e-12)), std::domain_error);
+        BOOST_CHECK_THROW(temperature_at_finite_step(fluid, 2 * dt_c), std::domain_error);
+        fluid.n *= 1 + 1e-12;
+        BOOST_CHECK_THROW(temperature_at_finite_step(fluid, dt_c), std::domain_error);
+        // At n -> 0 the critical step is 2 A1/A2; beyond it there is no critical density.
+        double const dilute = 2 * A1(fluid) / A2(fluid);
+        BOOST_TEST(critical_density(fluid, dilute * (1 - 1e-6)) > 0.0);
+        BOOST_CHECK_THROW(critical_density(fluid, dilute * (1 + 1e-6)), std::domain_error);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(my_stated_doubling_of_the_temperature_selects_the_weight) {
+    // MY1997: n = 0.2, T(dt = 0.25) ~ 2 T(0), with d = 2, range 4, gamma = sigma = 1. The weight is not
+    // printed.
+    struct {
+        Weight weight;
+        double ratio;
+    } const expected[] = {{Weight::constant, 8.2},
+                          {Weight::linear, 1.50},
+                          {Weight::quadratic, 1.26},
+                          {Weight::parabolic, 1.93},
+                          {Weight::root, 1.97}};
+    for (auto const& [weight, ratio] : expected) {
+        ExplicitDpd const fluid{.d = 2, .n = 0.2, .gamma = 1, .sigma = 1, .rc = 4, .weight = weight};
+        double const S = 2 * pi * 16;
+        double const w = S * moment(weight, 1), w2 = S * squared_moment(weight, 1);
+        // by hand: T/T0 = 1/(1 - dt (n [w]/(2d) + [w^2]/[w])) for m = gamma = 1
+        double const by_hand = 1 / (1 - 0.25 * (0.2 * w / 4 + w2 / w));
+        check_close(temperature_at_finite_step(fluid, 0.25) / 0.5, by_hand);
+        BOOST_TEST(std::abs(by_hand - ratio) < (ratio > 5 ? 0.05 : 0.005));
+    }
+}
+
+// ----------------------------------------------------------------------------------------------- NG2007,
+// pair
+
+BOOST_AUTO_TEST_CASE(ng5_is_the_implicit_midpoint_of_the_pair_with_its_reduced_mass) {
+    // S1: half a step explicit, half a step implicit, with one noise; for the relative velocity u of two
+    // masses m (reduced mass m/2): u1 = u - (w dt/m) u + f, u2 = u1 - (w dt/m) u2 + f, f = (w dt)^(1/2) xi/m.
+    for (double m : {1.0, 0.4, 2.5})
+        for (double w : {0.0, 0.3, 7.0}) {
+            double const dt = 0.8, u = 1.7, xi = -0.9;
+            double const a = w * dt / m, f = std::sqrt(w * dt) / m * xi;
+            double const u1 = u - a * u + f;
+            double const u2 = (u1 + f) / (1 + a);
+            double const A = shardlow_A(w, m, dt), B = shardlow_B(w, m, dt);
+            check_close(u - 2 * A * u + 2 * B * xi, u2, 1e-14);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(ng5_keeps_the_temperature_but_its_printed_B_only_for_unit_mass) {
+    double const kT = 1.7, dt = 0.8, w = 2.2;
+    auto const variance_after = [=](double A, double B, double m) {  // of the relative velocity, over 2 kT/m
+        return (1 - 2 * A) * (1 - 2 * A) + 4 * B * B * 2 * kT / (2 * kT / m);
+    };
+    for (double m : {1.0, 0.4, 2.5}) {
+        double const A = shardlow_A(w, m, dt), B = shardlow_B(w, m, dt);
+        check_close(B * B, A * (1 - A) / m, 1e-14);
+        check_close(variance_after(A, B, m), 1.0, 1e-14);
+        double const printed_B = std::sqrt(w * dt / m) / (1 + w * dt / m);
+        double const gain =
+            1 - (1 - 2 * A) * (1 - 2 * A);  // what the noise must give back; printed: m times it
+        check_close(variance_after(A, printed_B, m), 1.0 + (m - 1) * gain, 1e-14);
+        BOOST_TEST((std::abs(variance_after(A, printed_B, m) - 1.0) < 1e-12) == (m == 1.0));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(ng6_lowe_is_S1_at_gamma_dt_over_m_equal_one) {
+    for (double m : {1.0, 0.4}) {
+        double const dt = 0.3;
+        check_close(shardlow_A(m / dt, m, dt), 0.5, 1e-15);
+        for (int d : {2, 3}) {
+            Gas const gas{.d = d, .n = 0.7, .m = m, .kT = 1.7, .rc = 1.4};
+            Shardlow const shardlow{.gamma = m / dt, .weight = Weight::constant};
+            Lowe const lowe{.Gamma = 1 / dt};
+            check_close(stress_retention(gas, lowe, dt), stress_retention(gas, shardlow, dt));
+            check_close(kinetic_viscosity(gas, lowe, dt), kinetic_viscosity(gas, shardlow, dt));
+            check_close(collision_viscosity(gas, lowe), collision_viscosity(gas, shardlow, dt));
+            check_close(velocity_retention(gas, lowe, dt), velocity_retention(gas, shardlow, dt));
+            check_close(diffusion_constant(gas, lowe, dt), diffusion_constant(gas, shardlow, dt));
+        }
+    }
+}
+
+// ---------------------------------------------------------------------------------------- NG2007, transport
+
+BOOST_AUTO_TEST_CASE(ng7_is_the_correlation_plus_half_a_streaming_step_of_vy) {
+    // Eq. 7 integrated as it stands for Gaussian velocities with <v_x v_y> = q and <v_y^2> = T_y. The mean of
+    // the peculiar v_x at given v_y is q v_y/T_y, so <v_x^2> cannot enter: the streaming term has <v_y^2>.
+    using Quadrature = boost::math::quadrature::gauss_kronrod<double, 31>;
+    double const q = -0.21, T_y = 1.3, shear_rate = 0.4, dt = 0.7, n = 2.0, m = 1.6;
+    double const fastest = 12 * std::sqrt(T_y);
+    auto const crossing = [&](int sign) {  // particles that start at -sign y > 0 and cross upwards (sign = 1)
+        auto const from = [&](double y) {
+            auto const momentum = [&](double speed) {
+                double const v_y = sign * speed, start = -sign * y;
+                return (q / T_y * v_y + shear_rate * start) * std::exp(-v_y * v_y / (2 * T_y)) /
+                       std::sqrt(2 * pi * T_y);
+            };
+            return Quadrature::integrate(momentum, y / dt, fastest, 10, 1e-12);
+        };
+        return Quadrature::integrate(from, 0.0, fastest * dt, 10, 1e-12);
+    };
+    double const stress = m * n / dt * (-crossing(1) + crossing(-1));
+    check_close(stress, m * n * (shear_rate * dt * T_y / 2 - q), 1e-9);
+}
+
+BOOST_AUTO_TEST_CASE(ng9_one_pair_from_the_update_itself) {
+    for (int d : {2, 3})
+        for (double A : {0.05, 0.5, 0.9})
+            check_close(stress_factor_of_one_pair(d, A, 2.3, 1.7), 1 - 2 * A / d + 4 * A * A / (d * (d + 2)),
+                        1e-13);
+}
+
+BOOST_AUTO_TEST_CASE(ng9_by_hand) {
+    for (auto const& c : cases()) {
+        // 2/d and 4/(d(d+2)) are 1 and 1/2 in two dimensions, 2/3 and 4/15 in three.
+        double const exponent =
+            c.d == 2
+                ? 2 * pi * c.rc * c.rc *
+                      (-A_moment(c.weight, 1, c.a()) + squared_A_moment(c.weight, 1, c.a()) / 2)
+                : 4 * pi * c.rc * c.rc * c.rc *
+                      (-2 * A_moment(c.weight, 2, c.a()) / 3 + 4 * squared_A_moment(c.weight, 2, c.a()) / 15);
+        double const s = std::exp(c.n * exponent);
+        check_close(stress_retention(c.gas(), c.shardlow(), c.dt), s);
+        check_close(kinetic_viscosity(c.gas(), c.shardlow(), c.dt), c.n * c.kT * c.dt * (1 / (1 - s) - 0.5));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(ng9_linear_weight_in_closed_form) {
+    // All the way by hand: d = 2, linear weight, with J = integral of x/(1 + a(1 - x)) = ((1+a) ln(1+a)/a -
+    // 1)/a and K = integral of x/(1 + a(1 - x))^2 = (1 - ln(1+a)/a)/a.
+    double const n = 0.7, m = 2.3, kT = 1.7, gamma = 5.1, rc = 1.4, dt = 0.6;
+    double const a = gamma * dt / m, l = std::log1p(a);
+    double const J = ((1 + a) * l / a - 1) / a, K = (1 - l / a) / a;
+    double const s = std::exp(n * 2 * pi * rc * rc * (-(0.5 - J) + (0.5 - 2 * J + K) / 2));
+    Gas const gas{.d = 2, .n = n, .m = m, .kT = kT, .rc = rc};
+    check_close(stress_retention(gas, {.gamma = gamma, .weight = Weight::linear}, dt), s);
+}
+
+BOOST_AUTO_TEST_CASE(ng12_by_hand) {
+    for (auto const& c : cases()) {
+        double const integral = c.d == 2 ? 2 * pi * std::pow(c.rc, 4) * A_moment(c.weight, 3, c.a()) / 8
+                                         : 4 * pi * std::pow(c.rc, 5) * A_moment(c.weight, 4, c.a()) / 15;
+        check_close(collision_viscosity(c.gas(), c.shardlow(), c.dt), c.n * c.n / 2 * c.m / c.dt * integral);
+        double const limit = c.d == 2 ? 2 * pi * std::pow(c.rc, 4) * moment(c.weight, 3) / 8
+                                      : 4 * pi * std::pow(c.rc, 5) * moment(c.weight, 4) / 15;
+        check_close(collision_viscosity_limit(c.gas(), c.shardlow()), c.n * c.n / 2 * c.gamma * limit);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(ng11_momentum_through_a_plane_by_direct_integration) {
+    // Eq. 11 as printed, d = 2 and A = 1/2 within range 1 (Lowe, Gamma' = 1): integrate over the height of
+    // the plane below i, then over the partner, the mean v_ij,x being shear_rate y_ij.
+    using Quadrature = boost::math::quadrature::gauss_kronrod<double, 61>;
+    double const n = 1.3, m = 2.0, dt = 0.5, shear_rate = 0.2;
+    auto const below = [&](double y_i) {
+        auto const row = [&](double y) {
+            double const reach = std::sqrt(std::max(0.0, 1 - y * y));
+            auto const kick = [&](double x) { return -0.5 * shear_rate * y * x * x / (x * x + y * y); };
+            return 2 * Quadrature::integrate(kick, 0.0, reach, 3, 1e-8);
+        };
+        return Quadrature::integrate(row, y_i, 1.0, 3, 1e-8);
+    };
+    double const stress = -n * n * m / dt * Quadrature::integrate(below, 0.0, 1.0, 3, 1e-8);
+    check_close(stress / shear_rate, collision_viscosity({.d = 2, .n = n, .m = m}, Lowe{.Gamma = 1 / dt}),
+                1e-5);
+}
+
+BOOST_AUTO_TEST_CASE(ng17_by_hand) {
+    for (auto const& c : cases()) {
+        double const A = c.d == 2 ? 2 * pi * c.rc * c.rc * A_moment(c.weight, 1, c.a())
+                                  : 4 * pi * std::pow(c.rc, 3) * A_moment(c.weight, 2, c.a());
+        double const retention = std::exp(-c.n * A / c.d);
+        check_close(velocity_retention(c.gas(), c.shardlow(), c.dt), retention);
+        check_close(diffusion_constant(c.gas(), c.shardlow(), c.dt),
+                    c.kT * c.dt / c.m * (1 / (1 - retention) - 0.5));
+        // Green-Kubo on a lattice of times: the sum itself, first term halved.
+        double sum = 0.5, term = 1.0;
+        for (int k = 0; k < 20000; ++k) sum += (term *= retention);
+        check_close(diffusion_constant(c.gas(), c.shardlow(), c.dt), c.kT / c.m * c.dt * sum, 1e-9);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(ng10_and_ng17_limits_by_hand) {
+    for (auto const& c : cases()) {
+        double const w = c.gamma * (c.d == 2 ? 2 * pi * c.rc * c.rc * moment(c.weight, 1)
+                                             : 4 * pi * std::pow(c.rc, 3) * moment(c.weight, 2));
+        check_close(kinetic_viscosity_limit(c.gas(), c.shardlow()), c.d * c.m * c.kT / (2 * w));
+        check_close(diffusion_constant_limit(c.gas(), c.shardlow()), c.d * c.kT / (c.n * w));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(small_steps_reach_the_limits_at_first_order) {
+    for (auto const& c : cases()) {
+        auto const check = [&](auto at, double limit) {
+            double const h = 1e-4 * c.m / (c.gamma * (1 + c.n * std::pow(c.rc, c.d)));
+            double const error = at(h) / limit - 1, half_error = at(h / 2) / limit - 1;
+            BOOST_TEST(std::abs(error) < 1e-3);
+            BOOST_TEST(std::abs(error) > 1e-9);
+            check_close(error / half_error, 2.0, 1e-2);
+        };
+        auto const gas = c.gas();
+        auto const s1 = c.shardlow();
+        check([&](double h) { return kinetic_viscosity(gas, s1, h); }, kinetic_viscosity_limit(gas, s1));
+        check([&](double h) { return collision_viscosity(gas, s1, h); }, collision_viscosity_limit(gas, s1));
+        check([&](double h) { return diffusion_constant(gas, s1, h); }, diffusion_constant_limit(gas, s1));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(tiny_steps_lose_no_digits) {
+    // At 10^-13 the factor per step differs from 1 by little more than rounding.
+    for (auto const& c : cases()) {
+        double const h = 1e-13 * c.m / c.gamma;
+        check_close(kinetic_viscosity(c.gas(), c.shardlow(), h),
+                    kinetic_viscosity_limit(c.gas(), c.shardlow()));
+        check_close(diffusion_constant(c.gas(), c.lowe(), h), diffusion_constant_limit(c.gas(), c.lowe()));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(lowe_small_steps_reach_the_limits_at_second_order) {
+    // Nothing but the sum over steps depends on dt: (rate/2) coth(rate/2) = 1 + rate^2/12 + ...
+    for (auto const& c : cases()) {
+        auto const check = [&](auto at, double limit, double decay) {  // decay: -ln of the factor per time
+            double const h = 1e-2 / decay;
+            double const error = at(h) / limit - 1, half_error = at(h / 2) / limit - 1;
+            check_close(error, 1e-4 / 12, 1e-4);
+            check_close(error / half_error, 4.0, 1e-3);
+        };
+        auto const gas = c.gas();
+        auto const lowe = c.lowe();
+        check([&](double h) { return kinetic_viscosity(gas, lowe, h); }, kinetic_viscosity_limit(gas, lowe),
+              -std::log(stress_retention(gas, lowe, 1.0)));
+        check([&](double h) { return diffusion_constant(gas, lowe, h); }, diffusion_constant_limit(gas, lowe),
+              -std::log(velocity_retention(gas, lowe, 1.0)));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(large_step_limits) {
+    // A -> 1 within range: the relative velocity of a pair is reversed.
+    for (int d : {2, 3}) {
+        Gas const gas{.d = d, .n = 0.3, .m = 1.2, .kT = 0.7, .rc = 1.1};
+        double const V = d == 2 ? pi * 1.21 : 4 * pi / 3 * 1.331;
+        Shardlow const s1{.gamma = 1e9, .weight = Weight::constant};
+        check_close(stress_retention(gas, s1, 10.0), std::exp(0.3 * V * (-2.0 / d + 4.0 / (d * (d + 2)))),
+                    1e-8);
+        check_close(velocity_retention(gas, s1, 10.0), std::exp(-0.3 * V / d), 1e-8);
+    }
+}
+
+// -------------------------------------------------------------------------------------- NG2007,
+// Lowe-Andersen
+
+BOOST_AUTO_TEST_CASE(lowe_constants) {
+    for (auto const& c : cases()) {
+        auto const gas = c.gas();
+        double const b = c.d == 2 ? 3.0 / 8 : 16.0 / 45;
+        double const volume_unit = std::pow(c.rc, c.d);
+        double const s = std::exp(-pi * b * c.n * volume_unit * c.Gamma * c.dt);
+        check_close(stress_retention(gas, c.lowe(), c.dt), s);
+        check_close(kinetic_viscosity(gas, c.lowe(), c.dt), c.n * c.kT * c.dt * (1 / (1 - s) - 0.5));
+        check_close(kinetic_viscosity_limit(gas, c.lowe()), c.kT / (pi * b * c.Gamma * volume_unit));
+        check_close(
+            collision_viscosity(gas, c.lowe()),
+            pi * c.m * c.n * c.n * c.Gamma * (c.d == 2 ? std::pow(c.rc, 4) / 64 : std::pow(c.rc, 5) / 75));
+        // [1/2]/d: pi/4 and 2 pi/9
+        double const retention =
+            std::exp(-c.n * volume_unit * c.Gamma * c.dt * (c.d == 2 ? pi / 4 : 2 * pi / 9));
+        check_close(velocity_retention(gas, c.lowe(), c.dt), retention);
+        check_close(diffusion_constant(gas, c.lowe(), c.dt), c.kT * c.dt / c.m * (1 / (1 - retention) - 0.5));
+        check_close(diffusion_constant_limit(gas, c.lowe()),
+                    c.kT / (c.m * c.n * volume_unit * c.Gamma) * (c.d == 2 ? 4 / pi : 9 / (2 * pi)));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(lowe_printed_b_follows_in_three_dimensions_but_not_in_two) {
+    // pi b = V_d (1 - s_ij) with the update itself giving s_ij.
+    double const b2 = pi * (1 - stress_factor_of_one_pair(2, 0.5, 1.0, 1.0)) / pi;
+    double const b3 = 4 * pi / 3 * (1 - stress_factor_of_one_pair(3, 0.5, 1.0, 1.0)) / pi;
+    check_close(b3, 16.0 / 45, 1e-13);
+    check_close(b2, 3.0 / 8, 1e-13);
+    BOOST_TEST(std::abs(b2 - 0.5) > 0.1);
+    // The printed 1/2 is eq. 9 without its A^2 term.
+    check_close(pi * (2 * 0.5 / 2) / pi, 0.5, 1e-15);
+}
+
+BOOST_AUTO_TEST_CASE(lowe_b_in_two_dimensions_by_random_pair_updates) {
+    // Molecular chaos made real: random pairs in random directions, one after the other, two dimensions, m
+    // = 2. After on average c updates of a particle <v_x v_y> falls by exp(-3c/8), not exp(-c/2); <v.v(0)> by
+    // exp(-c/4); kT stays.
+    std::size_t const particles = 400000;
+    double const c = 1.0, m = 2.0, kT = 1.0, q = 0.3;
+    std::mt19937_64 random(20070101);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> angle(0.0, 2 * pi);
+    std::uniform_int_distribution<std::size_t> pick(0, particles - 1);
+    double const thermal = std::sqrt(kT / m), slope = q / (kT / m);
+    std::vector<std::array<double, 2>> v(particles);
+    for (auto& [x, y] : v) {
+        x = thermal * normal(random);
+        y = slope * x + std::sqrt(1 - slope * slope) * thermal * normal(random);
+    }
+    auto const start = v;
+    double const noise = std::sqrt(0.25 / m * 2 * kT);
+    auto const updates = static_cast<std::size_t>(c * static_cast<double>(particles) / 2);
+    for (std::size_t k = 0; k < updates; ++k) {
+        auto const i = pick(random), j = pick(random);
+        if (i == j) continue;
+        double const phi = angle(random), ex = std::cos(phi), ey = std::sin(phi);
+        double const u = (v[i][0] - v[j][0]) * ex + (v[i][1] - v[j][1]) * ey;
+        double const change = -0.5 * u + noise * normal(random);
+        v[i][0] += change * ex, v[i][1] += change * ey;
+        v[j][0] -= change * ex, v[j][1] -= change * ey;
+    }
+    double xy0 = 0, xy = 0, vv0 = 0, vv = 0, temperature = 0;
+    for (std::size_t i = 0; i < particles; ++i) {
+        xy0 += start[i][0] * start[i][1];
+        xy += v[i][0] * v[i][1];
+        vv0 += start[i][0] * start[i][0] + start[i][1] * start[i][1];
+        vv += v[i][0] * start[i][0] + v[i][1] * start[i][1];
+        temperature += m * (v[i][0] * v[i][0] + v[i][1] * v[i][1]) / 2;
+    }
+    // The standard error of the first ratio is below (kT/m)/(q sqrt(N)) * sqrt(2) = 0.004.
+    BOOST_TEST(std::abs(xy / xy0 - std::exp(-3 * c / 8)) < 0.016);
+    BOOST_TEST(std::abs(xy / xy0 - std::exp(-c / 2)) > 0.06);
+    BOOST_TEST(std::abs(vv / vv0 - std::exp(-c / 4)) < 0.008);
+    BOOST_TEST(std::abs(temperature / static_cast<double>(particles) - kT) < 0.008);
+}
+
+// ------------------------------------------------------------------------------------------------------
+// units
+
+BOOST_AUTO_TEST_CASE(every_form_scales_with_its_units) {
+    // Measure length, time and mass in units l, t, u times smaller; each value must follow its dimension.
+    double const l = 1.7, t = 0.6, u = 2.9;
+    for (auto const& c : cases()) {
+        auto const ld = std::pow(l, c.d);
+        Case const other{c.d,
+                         c.weight,
+                         c.n / ld,
+                         c.m * u,
+                         c.kT * u * l * l / (t * t),
+                         c.gamma * u / t,
+                         c.sigma * u * l / std::pow(t, 1.5),
+                         c.rc * l,
+                         c.dt * t,
+                         c.Gamma / t};
+        double const viscosity = u * std::pow(l, 2 - c.d) / t, diffusion = l * l / t;
+        auto const g = c.gas(), h = other.gas();
+        auto const s = c.shardlow(), r = other.shardlow();
+        auto const x = c.lowe(), y = other.lowe();
+        check_close(kinetic_viscosity(h, r, other.dt), viscosity * kinetic_viscosity(g, s, c.dt));
+        check_close(kinetic_viscosity_limit(h, r), viscosity * kinetic_viscosity_limit(g, s));
+        check_close(collision_viscosity(h, r, other.dt), viscosity * collision_viscosity(g, s, c.dt));
+        check_close(collision_viscosity_limit(h, r), viscosity * collision_viscosity_limit(g, s));
+        check_close(diffusion_constant(h, r, other.dt), diffusion * diffusion_constant(g, s, c.dt));
+        check_close(diffusion_constant_limit(h, r), diffusion * diffusion_constant_limit(g, s));
+        check_close(stress_retention(h, r, other.dt), stress_retention(g, s, c.dt));
+        check_close(kinetic_viscosity(h, y, other.dt), viscosity * kinetic_viscosity(g, x, c.dt));
+        check_close(collision_viscosity(h, y), viscosity * collision_viscosity(g, x));
+        check_close(diffusion_constant(h, y, other.dt), diffusion * diffusion_constant(g, x, c.dt));
+        auto const e = c.explicit_dpd(), f = other.explicit_dpd();
+        double const step = 0.3 * critical_step(e);
+        check_close(critical_step(f), t * critical_step(e));
+        check_close(critical_density(f, step * t), critical_density(e, step) / ld);
+        check_close(temperature_at_finite_step(f, step * t),
+                    u * l * l / (t * t) * temperature_at_finite_step(e, step));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(finite_size_correction) {
+    check_close(diffusion_finite_size_correction(1.7, 3.1, 12.0),
+                2.837297 * 1.7 / (18.849555921538759 * 3.1 * 12.0), 1e-14);
+    // The constant: minus the Madelung sum of a cube, by Ewald's method at two splittings.
+    for (double alpha : {2.0, 3.0}) {
+        double sum = pi / (alpha * alpha) + 2 * alpha / std::sqrt(pi);
+        for (int i = -6; i <= 6; ++i)
+            for (int j = -6; j <= 6; ++j)
+                for (int k = -6; k <= 6; ++k) {
+                    double const r2 = i * i + j * j + k * k;
+                    if (r2 == 0) continue;
+                    double const r = std::sqrt(r2);
+                    sum -= std::erfc(alpha * r) / r + std::exp(-pi * pi * r2 / (alpha * alpha)) / (pi * r2);
+                }
+        check_close(sum, 2.837297, 1e-6);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(what_is_not_positive_is_refused) {
+    Gas const gas{.d = 3, .n = 1.0};
+    Shardlow const s1{.gamma = 1.0};
+    double const nan = std::nan("");
+    for (double bad : {0.0, -1.0, nan, HUGE_VAL}) {
+        BOOST_CHECK_THROW(kinetic_viscosity(gas, s1, bad), std::invalid_argument);
+        BOOST_CHECK_THROW(collision_viscosity(gas, Shardlow{.gamma = bad}, 1.0), std::invalid_argument);
+        BOOST_CHECK_THROW(diffusion_constant({.d = 3, .n = bad}, s1, 1.0), std::invalid_argument);
+        BOOST_CHECK_THROW(diffusion_constant({.d = 3, .n = 1, .m = bad}, Lowe{.Gamma = 1}, 1.0),
+                          std::invalid_argument);
+        BOOST_CHECK_THROW(kinetic_viscosity({.d = 3, .n = 1, .kT = bad}, s1, 1.0), std::invalid_argument);
+        BOOST_CHECK_THROW(stress_retention({.d = 3, .n = 1, .rc = bad}, s1, 1.0), std::invalid_argument);
+        BOOST_CHECK_THROW(critical_step({.n = bad, .gamma = 1}), std::invalid_argument);
+        BOOST_CHECK_THROW(diffusion_finite_size_correction(1, 1, bad), std::invalid_argument);
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------
+// registry
+
+BOOST_AUTO_TEST_CASE(registry_lists_the_promised_ids_with_known_parameters) {
+    std::vector<std::string_view> const promised{
+        "my22",       "my23-A1",  "my23-A2",  "my23-A3",   "my25",       "my26",
+        "ng8",        "ng9",      "ng10",     "ng12",      "ng12-limit", "ng17",
+        "ng17-limit", "ng8-lowe", "ng9-lowe", "ng12-lowe", "ng17-lowe",  "yeh-hummer"};
+    std::vector<std::string_view> listed;
+    for (auto const& form : closed_forms()) {
+        listed.push_back(form.id);
+        BOOST_TEST(find(form.id) == &form);
+        for (auto const& names : {form.parameters, form.without_effect})
+            for (auto name : names)
+                BOOST_TEST((std::ranges::count(parameters(), name, &Parameter::name) == 1));
+        for (auto name : form.without_effect) BOOST_TEST((std::ranges::count(form.parameters, name) == 0));
+    }
+    BOOST_TEST(listed == promised, boost::test_tools::per_element());
+    BOOST_TEST((find("my24") == nullptr));
+}
+
+BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
+    Given const all{{"d", "2"},
+                    {"n", "0.7"},
+                    {"m", "2.3"},
+                    {"kT", "1.7"},
+                    {"gamma", "5.1"},
+                    {"sigma", "1.9"},
+                    {"rc", "1.4"},
+                    {"dt", "0.06"},
+                    {"Gamma", "1.1"},
+                    {"L", "12"},
+                    {"eta", "3.1"},
+                    {"weight", "root"},
+                    {"random_weight", "quadratic"}};
+    Case const c{2, Weight::root, 0.7, 2.3, 1.7, 5.1, 1.9, 1.4, 0.06, 1.1};
+    auto fluid = c.explicit_dpd();
+    fluid.random_weight = Weight::quadratic;
+    auto const gas = c.gas();
+    auto const s1 = c.shardlow();
+    auto const lowe = c.lowe();
+    double const dt = c.dt;
+    std::vector<std::pair<std::string_view, double>> const expected{
+        {"my22", temperature_at_finite_step(fluid, dt)},
+        {"my23-A1", A1(fluid)},
+        {"my23-A2", A2(fluid)},
+        {"my23-A3", A3(fluid)},
+        {"my25", critical_step(fluid)},
+        {"my26", critical_density(fluid, dt)},
+        {"ng8", kinetic_viscosity(gas, s1, dt)},
+        {"ng9", stress_retention(gas, s1, dt)},
+        {"ng10", kinetic_viscosity_limit(gas, s1)},
+        {"ng12", collision_viscosity(gas, s1, dt)},
+        {"ng12-limit", collision_viscosity_limit(gas, s1)},
+        {"ng17", diffusion_constant(gas, s1, dt)},
+        {"ng17-limit", diffusion_constant_limit(gas, s1)},
+        {"ng8-lowe", kinetic_viscosity(gas, lowe, dt)},
+        {"ng9-lowe", stress_retention(gas, lowe, dt)},
+        {"ng12-lowe", collision_viscosity(gas, lowe)},
+        {"ng17-lowe", diffusion_constant(gas, lowe, dt)},
+        {"yeh-hummer", diffusion_finite_size_correction(1.7, 3.1, 12)}};
+    BOOST_TEST(expected.size() == closed_forms().size());
+    auto const given_for = [&](std::vector<std::string_view> const& names) {
+        Given given;
+        for (auto const& pair : all)
+            if (std::ranges::count(names, pair.first) != 0) given.push_back(pair);
+        return given;
+    };
+    for (auto const& [id, value] : expected) {
+        auto const& form = *find(id);
+        auto given = given_for(form.parameters);
+        BOOST_TEST(evaluate(id, given) == value);
+        // Each listed parameter matters, each one "without effect" does not.
+        for (auto& [name, text] : given) {
+            auto const kept = text;
+            // (A form that has both weights and an unmatched noise may use the noise's only.)
+            if (id == "my23-A3" && name == "weight") continue;
+            text = name == "d" ? "3" : name == "weight" || name == "random_weight" ? "linear" : kept + "1";
+            BOOST_TEST(evaluate(id, given) != value, id << " must depend on " << name);
+            text = kept;
+        }
+        auto more = given;
+        for (auto const& pair : given_for(form.without_effect))
+            if (!(id == "yeh-hummer" && pair.first == "d")) more.push_back(pair);
+        BOOST_TEST(evaluate(id, more) == value);
+    }
+    BOOST_CHECK_THROW(evaluate("yeh-hummer", Given{{"d", "2"}, {"eta", "1"}, {"L", "9"}}), std::domain_error);
+}
+
+BOOST_AUTO_TEST_CASE(registry_defaults) {
+    Given const brief{{"n", "3"}, {"gamma", "9"}, {"dt", "0.1"}};
+    Given const full{{"n", "3"}, {"gamma", "9"}, {"dt", "0.1"}, {"d", "3"},
+                     {"m", "1"}, {"kT", "1"},    {"rc", "1"},   {"weight", "linear"}};
+    BOOST_TEST(evaluate("ng8", brief) == evaluate("ng8", full));
+    Given matched{{"n", "3"}, {"gamma", "1"}, {"sigma", "1"}, {"dt", "0.1"}};
+    double const value = evaluate("my22", matched);
+    matched.push_back({"random_weight", "matched"});
+    BOOST_TEST(evaluate("my22", matched) == value);
+    matched.back().second = "root";  // its square is linear, the weight of the friction
+    check_close(evaluate("my22", matched), value);
+}
+
+BOOST_AUTO_TEST_CASE(registry_refuses_bad_input_in_one_clear_line) {
+    auto const message = [](std::string_view id, Given const& given) -> std::string {
+        try {
+            evaluate(id, given);
+        } catch (std::invalid_argument const& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    auto const refused_for = [&](Given given, std::string const& name, std::string const& text,
+                                 std::string const& allowed) {
+        auto const line = message("ng8", given);
+        for (auto const& part : {"'" + name + "'", "'" + text + "'", "allowed: " + allowed})
+            BOOST_TEST(line.find(part) != std::string::npos, "'" << line << "' lacks " << part);
+        BOOST_TEST(line.find('\n') == std::string::npos);
+    };
+    Given const good{{"n", "3"}, {"gamma", "9"}, {"dt", "0.1"}};
+    BOOST_TEST(message("ng8", good) == "accepted");
+    auto const with = [&](std::string const& name, std::string const& text) {
+        Given given{{name, text}};
+        for (auto const& pair : good)
+            if (pair.first != name) given.push_back(pair);
+        return given;
+    };
+    for (std::string const text :
+         {"", "x", "1x", "1 ", " 1", "nan", "inf", "-inf", "1e999", "-1", "0", "0x1p3x", "1,5", "--1"})
+        for (std::string const name : {"n", "gamma", "dt", "m", "kT", "rc"})
+            refused_for(with(name, text), name, text, "> 0");
+    for (std::string const text : {"1", "4", "2.5", "-3", "two", "nan"})
+        refused_for(with("d", text), "d", text, "2 or 3");
+    for (std::string const text : {"", "Linear", "cubic", "matched"})
+        refused_for(with("weight", text), "weight", text, "constant, linear");
+    refused_for(with("sigma", "3"), "sigma", "3", "d n m kT gamma rc dt weight");
+    refused_for(with("Gamma", "3"), "Gamma", "3", "d n m kT gamma rc dt weight");
+    refused_for(with("colour", "red"), "colour", "red", "d n m kT gamma rc dt weight");
+    auto twice = good;
+    twice.push_back({"n", "4"});
+    refused_for(twice, "n", "4", "once");
+    for (std::size_t missing = 0; missing < good.size(); ++missing) {
+        auto given = good;
+        given.erase(given.begin() + static_cast<std::ptrdiff_t>(missing));
+        BOOST_TEST(message("ng8", given).find("needs parameter '" + good[missing].first + "'") !=
+                   std::string::npos);
+    }
+    BOOST_TEST(
+        message("my22", {{"n", "1"}, {"gamma", "1"}, {"sigma", "1"}, {"dt", "1"}, {"random_weight", "flat"}})
+            .find("allowed: matched, constant") != std::string::npos);
+    BOOST_TEST(message("my22", {{"kT", "2"}}).find("has no parameter 'kT'") != std::string::npos);
+    BOOST_TEST(message("ng99", {}).find("no closed form 'ng99'; allowed: my22 ") != std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(registry_never_returns_what_is_not_finite) {
+    BOOST_CHECK_THROW(evaluate("my22", Given{{"n", "3"}, {"gamma", "1"}, {"sigma", "1"}, {"dt", "9"}}),
+                      std::domain_error);
+    BOOST_CHECK_THROW(evaluate("my26", Given{{"gamma", "1"}, {"dt", "9"}}), std::domain_error);
+    BOOST_CHECK_THROW(evaluate("ng12-lowe", Given{{"n", "1e300"}, {"Gamma", "1e300"}}), std::domain_error);
+}
