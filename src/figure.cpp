@@ -181,6 +181,9 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         auto const values = table.numbers("values", std::nullopt, any_number);
         auto const settings = table.table("set"), along = table.table("along");
         std::vector<double> const skip = table.numbers("paper_only", std::vector<double>{}, any_number);
+        curve.line = table.numbers("line", std::vector<double>{}, any_number);
+        if (curve.line.size() != 0 && curve.line.size() != 2)
+            table.fail("line", "allowed: a range [from, to]");
         curve.criteria = read_criteria(table);
         table.finish();
         for (std::size_t v = 0; v < values.size(); ++v) {
@@ -317,15 +320,19 @@ std::vector<Comparison> compare(Figure const& figure) {
 namespace {
 
 // The measured value with the error of its difference from the theory (a measured reference has an error
-// too). Where the theory is a bound, a value on the allowed side stands as if it were on the bound itself.
+// too).
 Estimate against_theory(Comparison const& comparison) {
     Estimate estimate = comparison.estimate;
     estimate.error = std::hypot(estimate.error, comparison.theory_error);
-    if (comparison.criterion.relation == Relation::at_most)
-        estimate.value = std::max(estimate.value, comparison.theory);
-    if (comparison.criterion.relation == Relation::at_least)
-        estimate.value = std::min(estimate.value, comparison.theory);
     return estimate;
+}
+
+// How far the value lies on the allowed side of a bound, in units of the confidence interval's half width.
+double clearance(Comparison const& comparison, double false_alarm) {
+    Estimate const estimate = against_theory(comparison);
+    double const side = comparison.criterion.relation == Relation::at_least ? 1.0 : -1.0;
+    return side * (estimate.value - comparison.theory) /
+           (critical_z(false_alarm, estimate.blocks) * estimate.error);
 }
 
 double false_alarm_of_one(std::size_t family) {
@@ -336,15 +343,27 @@ double false_alarm_of_one(std::size_t family) {
 
 Verdict judge(Comparison const& comparison, std::size_t family) {
     auto const& criterion = comparison.criterion;
+    double const false_alarm = false_alarm_of_one(family);
+    if (criterion.relation != Relation::equal) {
+        double const clear = clearance(comparison, false_alarm);
+        if (clear > 1.0) return Verdict::agrees;
+        // near the bound, or on the wrong side within the error, the sharpness decides as for an equality
+        if (clear >= 0.0 && comparison.estimate.error <= criterion.resolution * std::abs(comparison.theory))
+            return Verdict::agrees;
+    }
     return judge(against_theory(comparison), comparison.theory, criterion.tolerance, criterion.resolution,
-                 false_alarm_of_one(family));
+                 false_alarm);
 }
 
 double seconds_to_decide(Comparison const& comparison, std::size_t family) {
     auto const& criterion = comparison.criterion;
-    double const factor =
-        time_factor_to_decide(against_theory(comparison), comparison.theory, criterion.tolerance,
-                              criterion.resolution, false_alarm_of_one(family));
+    double const false_alarm = false_alarm_of_one(family);
+    if (judge(comparison, family) != Verdict::undecided) return 0.0;
+    double factor = time_factor_to_decide(against_theory(comparison), comparison.theory, criterion.tolerance,
+                                          criterion.resolution, false_alarm);
+    // a bound is also decided once the value clears it
+    if (criterion.relation != Relation::equal)
+        factor = std::min(factor, std::pow(clearance(comparison, false_alarm), -2));
     return comparison.seconds * (factor - 1.0);
 }
 
@@ -407,25 +426,37 @@ void write_file(std::filesystem::path const& path, std::string const& content) {
     std::filesystem::rename(temporary, path);
 }
 
-// Closed forms between the first and the last point of each curve, for the lines of the plot.
+// Name of a part of the data files, for gnuplot's `index`.
+std::string part_name(std::string const& curve, Criterion const& criterion) {
+    return fmt::format("{}:{}:{}", curve, criterion.quantity, criterion.theory);
+}
+
+// Closed forms along each curve, for the lines of the plot.
 std::string theory_lines(Figure const& figure) {
     constexpr int samples = 100;
+    constexpr double logarithmic_from = 8.0;  // ratio of the ends
     std::string text;
     for (std::size_t c = 0; c < figure.curves.size(); ++c) {
         auto const& curve = figure.curves[c];
-        std::vector<Point const*> points;
-        for (auto const& point : figure.points)
-            if (point.curve == c) points.push_back(&point);
-        if (points.size() < 2) continue;
-        auto const [low, high] =
-            std::minmax_element(points.begin(), points.end(), [](auto* a, auto* b) { return a->x < b->x; });
+        Scene const* base = nullptr;
+        double low = INFINITY, high = -INFINITY;
+        for (auto const& point : figure.points) {
+            if (point.curve != c) continue;
+            base = &point.runs.front();
+            low = std::min(low, point.x);
+            high = std::max(high, point.x);
+        }
+        if (!curve.line.empty()) low = curve.line[0], high = curve.line[1];
+        if (!base || !(low < high)) continue;
+        bool const logarithmic = low > 0.0 && high / low > logarithmic_from;
         for (auto const& criterion : curve.criteria) {
             if (theory::find(criterion.theory) == nullptr) continue;
-            text += fmt::format("# {}:{}\n", curve.name, criterion.quantity);
+            text += fmt::format("# {}\n", part_name(curve.name, criterion));
             for (int s = 0; s <= samples; ++s) {
-                double const x = (*low)->x * std::pow((*high)->x / (*low)->x, double(s) / samples);
-                Scene const scene = parse_scene((*low)->runs.front().text, "theory line",
-                                                {fmt::format("{}={}", curve.parameter, x)});
+                double const t = double(s) / samples;
+                double const x = logarithmic ? low * std::pow(high / low, t) : low + (high - low) * t;
+                Scene const scene =
+                    parse_scene(base->text, "theory line", {fmt::format("{}={}", curve.parameter, x)});
                 text += fmt::format("{:.10g} {:.10g}\n", x, theory_for(scene, criterion.theory));
             }
             text += "\n\n";
@@ -462,7 +493,7 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
     std::map<std::string, std::string> blocks;
     std::vector<std::string> order;
     for (auto const& c : comparisons) {
-        std::string const name = c.curve + ":" + c.criterion.quantity;
+        std::string const name = part_name(c.curve, c.criterion);
         if (!blocks.contains(name)) order.push_back(name);
         double const scale = c.theory != 0.0 ? 1.0 / c.theory : 1.0;
         blocks[name] +=
@@ -513,10 +544,13 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
             fmt::format("caption_size = '15'\nset terminal pngcairo size 1120,1120 font 'DejaVu Sans,20'\n"
                         "set output {}\nload {}\n",
                         quoted(stem + ".png"), plot));
-    std::string const command = fmt::format("gnuplot '{}'", script.string());
+    // a curve that the budget leaves out has no data, of which gnuplot warns
+    std::string const command = fmt::format("gnuplot '{}' 2> '{}.log'", script.string(), script.string());
     int const status = std::system(command.c_str());
     std::filesystem::remove(script);
-    if (status != 0) throw InputError(fmt::format("figure {}: gnuplot failed; is it installed?", figure.id));
+    if (status == 0) std::filesystem::remove(script.string() + ".log");
+    if (status != 0)
+        throw InputError(fmt::format("figure {}: gnuplot failed, see {}.log", figure.id, script.string()));
 }
 
 std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {

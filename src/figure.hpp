@@ -65,7 +65,7 @@ struct Point {
 struct FigureCurve {
     std::string name, label, parameter;
     std::vector<Criterion> criteria;
-    bool reference = false;  ///< drawn and judged by another curve only
+    std::vector<double> line;  ///< range of the theory line; empty: the points'
 };
 
 struct Figure {

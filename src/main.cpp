@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <charconv>
 #include <csignal>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -76,6 +77,17 @@ void evaluate_theory(std::string const& id, std::vector<std::string> const& assi
     }
 }
 
+// CLI11 would wrap a negative or too large number silently.
+std::optional<std::uint64_t> read_seed(std::optional<std::string> const& text) {
+    if (!text) return std::nullopt;
+    std::uint64_t seed = 0;
+    auto const [end, error] = std::from_chars(text->data(), text->data() + text->size(), seed);
+    if (error != std::errc{} || end != text->data() + text->size())
+        throw dpd::InputError(
+            fmt::format("--seed: {} is not allowed; allowed: an integer, 0 to 2^64-1", *text));
+    return seed;
+}
+
 // --- run -------------------------------------------------------------------------------------------------
 
 void print_result(dpd::Scene const& scene, dpd::RunResult const& result, bool json) {
@@ -143,7 +155,7 @@ int dispatch(int argc, char** argv) {
     std::string scene_file;
     std::optional<std::string> out;
     std::vector<std::string> overrides;
-    std::optional<std::uint64_t> seed;
+    std::optional<std::string> seed;
     auto* const run = app.add_subcommand("run", "run a scene");
     run->add_option("scene", scene_file, "TOML file")->required();
     run->add_option("--set", overrides, "table.key=value, on top of the file")->allow_extra_args(false);
@@ -183,7 +195,7 @@ int dispatch(int argc, char** argv) {
         else
             evaluate_theory(id, assignments, json);
     } else if (run->parsed()) {
-        dpd::Scene const scene = dpd::load_scene(scene_file, overrides, seed);
+        dpd::Scene const scene = dpd::load_scene(scene_file, overrides, read_seed(seed));
         dpd::RunOptions options;
         if (out) options.output = *out;
         options.stop = &stop_requested;

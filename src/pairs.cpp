@@ -274,31 +274,54 @@ void PairSearch<d>::find_by_cells(Particles<d> const& particles, Box<d> const& b
     if (box.sheared()) add_layer(top, false, true, true);
 }
 
+// Finds each pair of [begin, end) its place: `place[k]` for the k-th one found.
 template <int d>
-void PairSearch<d>::reorder(Particles<d> const& particles, NoiseKey key, PairList<d>& pairs) const {
-    auto const ids = [&](std::size_t k) {
-        std::uint32_t const a = particles.id[pairs.i[k]], b = particles.id[pairs.j[k]];
-        return std::pair{std::min(a, b), std::max(a, b)};
+void PairSearch<d>::sort_places(Particles<d> const& particles, NoiseKey key, PairList<d> const& pairs,
+                                std::size_t begin, std::size_t end) {
+    if (order == Order::id) {
+        auto const ids = [&](std::size_t k) {
+            std::uint32_t const a = particles.id[pairs.i[k]], b = particles.id[pairs.j[k]];
+            return std::pair{std::min(a, b), std::max(a, b)};
+        };
+        std::vector<std::uint32_t> sorted(end - begin);
+        std::iota(sorted.begin(), sorted.end(), static_cast<std::uint32_t>(begin));
+        std::sort(sorted.begin(), sorted.end(),
+                  [&](std::size_t a, std::size_t b) { return ids(a) < ids(b); });
+        for (std::size_t k = begin; k < end; ++k) place_[sorted[k - begin]] = static_cast<std::uint32_t>(k);
+        return;
+    }
+    // A counting sort by random buckets; the few pairs that share one stay in the order in which they were
+    // found. The low bits of a normal variate are uniform.
+    constexpr std::uint32_t buckets = 1u << 16;
+    pair_normals(key, std::span(pairs.i).subspan(begin, end - begin),
+                 std::span(pairs.j).subspan(begin, end - begin), particles.id.data(),
+                 std::span(scratch_).subspan(begin, end - begin));
+    auto const bucket = [&](std::size_t k) {
+        return static_cast<std::uint32_t>(static_cast<std::uint64_t>((scratch_[k] + 16.0) * 0x1p40)) %
+               buckets;
     };
-    std::vector<std::size_t> permutation(pairs.count);
-    std::iota(permutation.begin(), permutation.end(), std::size_t{0});
-    std::vector<double> rank(order == Order::random ? pairs.count : 0);
-    for (std::size_t k = 0; k < rank.size(); ++k) rank[k] = uniform(key, ids(k).first, ids(k).second);
-    auto const before = [&](std::size_t a, std::size_t b) {
-        return order == Order::random ? rank[a] < rank[b] : ids(a) < ids(b);
-    };
-    auto const split = permutation.begin() + static_cast<std::ptrdiff_t>(pairs.boundary);
-    std::sort(permutation.begin(), split, before);
-    std::sort(split, permutation.end(), before);
+    bucket_begin_.assign(buckets + 1, 0);
+    for (std::size_t k = begin; k < end; ++k) ++bucket_begin_[bucket(k) + 1];
+    bucket_begin_[0] = static_cast<std::uint32_t>(begin);
+    std::partial_sum(bucket_begin_.begin(), bucket_begin_.end(), bucket_begin_.begin());
+    for (std::size_t k = begin; k < end; ++k) place_[k] = bucket_begin_[bucket(k)]++;
+}
 
-    auto const permute = [&](auto& values) {
-        auto const old = values;
-        for (std::size_t k = 0; k < pairs.count; ++k) values[k] = old[permutation[k]];
+template <int d>
+void PairSearch<d>::reorder(Particles<d> const& particles, NoiseKey key, PairList<d>& pairs) {
+    place_.resize(pairs.count);
+    scratch_.resize(pairs.distance.size());
+    scratch_rows_.resize(pairs.i.size());
+    sort_places(particles, key, pairs, 0, pairs.boundary);
+    sort_places(particles, key, pairs, pairs.boundary, pairs.count);
+    auto const permute = [&](auto& values, auto& scratch) {
+        for (std::size_t k = 0; k < pairs.count; ++k) scratch[place_[k]] = values[k];
+        values.swap(scratch);
     };
-    permute(pairs.i);
-    permute(pairs.j);
-    permute(pairs.distance);
-    for (auto& component : pairs.unit) permute(component);
+    permute(pairs.i, scratch_rows_);
+    permute(pairs.j, scratch_rows_);
+    permute(pairs.distance, scratch_);
+    for (auto& component : pairs.unit) permute(component, scratch_);
     if (order != Order::id) return;
     // the pair's orientation, too, must not depend on the search; across a sheared boundary it is fixed
     for (std::size_t k = 0; k < pairs.boundary; ++k) {

@@ -41,7 +41,7 @@ enum class Search {
 enum class Order {
     cell,    ///< as found: neighbours in space follow each other in the sequence
     id,      ///< by particle ids: independent of the search
-    random,  ///< a new random permutation at each search
+    random,  ///< a new random one at each search
 };
 
 /// Finds pairs; keeps its work arrays between calls.
@@ -80,7 +80,8 @@ private:
     void search_layer(int y, bool within, bool above, PairList<d>&);
     void separate(Particles<d> const&, simd::Geometry<d> const&, std::size_t begin, PairList<d>&) const;
     simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;
-    void reorder(Particles<d> const&, NoiseKey, PairList<d>&) const;
+    void reorder(Particles<d> const&, NoiseKey, PairList<d>&);
+    void sort_places(Particles<d> const&, NoiseKey, PairList<d> const&, std::size_t begin, std::size_t end);
     int row_begin(int y, int x) const;
     std::size_t cell_of(Entry const& entry) const {
         return static_cast<std::size_t>(row_begin(entry.cell[1], entry.cell[0]) + entry.cell[contiguous] +
@@ -96,8 +97,11 @@ private:
     std::array<int, d> cells_{};
     std::vector<Entry> entries_;
     std::vector<int> cell_begin_;
-    std::array<std::vector<double>, d> sorted_;  // positions of particles and images, by cell
-    std::vector<std::uint32_t> owner_;           // row of the particle behind each of them
+    std::array<std::vector<double>, d> sorted_;        // positions of particles and images, by cell
+    std::vector<std::uint32_t> owner_;                 // row of the particle behind each of them
+    std::vector<std::uint32_t> place_, bucket_begin_;  // scratch of `reorder`, as are the next two
+    std::vector<std::uint32_t> scratch_rows_;
+    std::vector<double> scratch_;
 };
 
 extern template struct PairList<2>;

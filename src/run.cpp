@@ -92,7 +92,8 @@ public:
     }
 
     // Restores a checkpoint or a result; false if there is no file yet, or one that diverged.
-    bool load(Simulation<d>& simulation, Recorder<d>& recorder, double& seconds, bool& complete) const {
+    bool load(Simulation<d>& simulation, Recorder<d>& recorder, double& seconds, std::uint64_t& bytes,
+              bool& complete) const {
         if (!std::filesystem::exists(path_)) return false;
         Archive archive(path_, Archive::Mode::read);
         std::string key, status;
@@ -105,6 +106,7 @@ public:
         complete = status == "complete";
         if (!complete && status != "interrupted") return false;
         archive("dpdref/seconds", seconds);
+        archive("dpdref/bytes", bytes);
         archive_counters(archive, simulation.counters);
         recorder.archive(archive);
         if (!complete) {
@@ -118,6 +120,11 @@ private:
     Scene const& scene_;
     std::filesystem::path path_;
 };
+
+// The trajectory goes beside the results.
+std::filesystem::path trajectory_path(std::filesystem::path const& output) {
+    return std::filesystem::path(output).replace_extension(".h5md");
+}
 
 template <int d>
 void append_frame(Trajectory& trajectory, Simulation<d> const& simulation) {
@@ -143,10 +150,16 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
     recorder = std::make_unique<Recorder<d>>(scene.sample, simulation);
 
     double earlier_seconds = 0.0;
+    std::uint64_t earlier_bytes = 0;
     bool complete = false;
     std::optional<RunFile<d>> file;
+    if (options.output && scene.trajectory_interval > 0 &&
+        trajectory_path(*options.output) == *options.output)
+        throw InputError(
+            fmt::format("{}: is where the trajectory goes; allowed: another extension for results",
+                        options.output->string()));
     if (options.output) file.emplace(scene, *options.output);
-    bool const resumed = file && file->load(simulation, *recorder, earlier_seconds, complete);
+    bool const resumed = file && file->load(simulation, *recorder, earlier_seconds, earlier_bytes, complete);
     RunResult result;
     result.particles = scene.particles;
     if (complete) {
@@ -156,9 +169,8 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
         if (file && !resumed) file->save("interrupted", simulation, *recorder, 0.0);
         std::unique_ptr<Trajectory> trajectory;
         if (scene.trajectory_interval > 0 && options.output)
-            trajectory = std::make_unique<Trajectory>(
-                std::filesystem::path(*options.output).replace_extension(".h5md"), scene.length,
-                scene.particles, scene.shear_rate, simulation.step);
+            trajectory = std::make_unique<Trajectory>(trajectory_path(*options.output), scene.length,
+                                                      scene.particles, scene.shear_rate, simulation.step);
         auto const start = Clock::now();
         auto const seconds = [&] {
             return earlier_seconds + std::chrono::duration<double>(Clock::now() - start).count();
@@ -166,6 +178,9 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
         auto last_checkpoint = start, last_progress = start;
         try {
             while (simulation.step < scene.steps()) {
+                // a checkpoint holds no pairs: a step that began with those of the last would not resume
+                // exactly
+                simulation.positions_changed();
                 simulation.advance();
                 if (trajectory && simulation.step % scene.trajectory_interval == 0)
                     append_frame(*trajectory, simulation);
@@ -196,7 +211,7 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
     result.record = recorder->record();
     result.counters = simulation.counters;
     result.seconds = earlier_seconds;
-    result.bytes = simulation.bytes();
+    result.bytes = complete ? earlier_bytes : simulation.bytes();
     return result;
 }
 
@@ -230,12 +245,14 @@ Estimate by_block(std::vector<Curve const*> const& curves, F&& f) {
     return independent(values);
 }
 
-// Slope of the mean-square displacement over the second half of its lags, over 2d. @eq{NG2007,17}
-double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int d) {
+// Slope of the mean-square displacement over the second half of its lags, over twice the number of
+// components.
+double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int components) {
     auto const last = static_cast<Eigen::Index>(curve.x.size()) - 1;
     Eigen::Index const first = last / 2;
     return (mean[last] - mean[first]) /
-           (2.0 * d * (curve.x[static_cast<std::size_t>(last)] - curve.x[static_cast<std::size_t>(first)]));
+           (2.0 * components *
+            (curve.x[static_cast<std::size_t>(last)] - curve.x[static_cast<std::size_t>(first)]));
 }
 
 // Least-squares slope of the velocity profile over the imposed shear rate.
@@ -329,15 +346,16 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
             static_cast<void>(curve);
             return found / uniform;
         }));
+    int const components = scene.shear_rate != 0.0 ? scene.dimension - 1 : scene.dimension;
     add("diffusion_constant",
         by_block(curves_of(records, "mean_square_displacement"), [&](auto const& curve, auto const& mean) {
-            return diffusion_from(curve, mean, scene.dimension);
+            return diffusion_from(curve, mean, components);
         }));
     add("green_kubo_diffusion_constant",
         by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
             // the trapezium rule is exact for free streaming in steps of the spacing
             return (mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1]) * (curve.x[1] - curve.x[0]) /
-                   scene.dimension;
+                   components;
         }));
     return quantities;
 }

@@ -51,7 +51,7 @@ double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box
 
 template <int d>
 Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulation)
-    : parameters_(std::move(parameters)) {
+    : parameters_(std::move(parameters)), time_step_(simulation.time_step) {
     auto& series = record_.series;
     if (parameters_.kinetic_temperature) series["kinetic_temperature"];
     if (parameters_.momentum) series["momentum"];
@@ -113,6 +113,8 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
     if (parameters_.profile && step % parameters_.profile->interval == 0) sample_profile(simulation, block);
     if (parameters_.radial_distribution && step % parameters_.radial_distribution->interval == 0)
         sample_radial_distribution(simulation, block);
+    // in shear the flow's own axis is left out: what it carries along is not diffusion
+    int const components = simulation.box.sheared() ? d - 1 : d;
     if (auto const& p = parameters_.mean_square_displacement)
         correlate(
             simulation, *p, "mean_square_displacement", displacement_origins_,
@@ -122,12 +124,14 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
                     unwrapped.col(axis) += simulation.box.length[axis] *
                                            simulation.particles.image.col(axis).template cast<double>();
             },
-            [](auto const& now, auto const& then) { return (now - then).square().sum(); });
+            [=](auto const& now, auto const& then) {
+                return (now - then).rightCols(components).square().sum();
+            });
     if (auto const& p = parameters_.velocity_autocorrelation)
         correlate(
             simulation, *p, "velocity_autocorrelation", velocity_origins_,
             [&](auto& velocity) { velocity = simulation.particles.velocity; },
-            [](auto const& now, auto const& then) { return (now * then).sum(); });
+            [=](auto const& now, auto const& then) { return (now * then).rightCols(components).sum(); });
 }
 
 template <int d>
@@ -203,8 +207,14 @@ void Recorder<d>::archive_origins(Archive& archive, std::string const& name, std
 template <int d>
 void Recorder<d>::archive(Archive& archive) {
     record_.archive(archive);
+    if (!archive.reading())
+        for (auto const& [name, values] : record_.series)
+            archive.describe_time("observables/" + name, parameters_.equilibration, parameters_.interval,
+                                  time_step_);
     if (parameters_.mean_square_displacement) archive_origins(archive, "displacement", displacement_origins_);
-    if (parameters_.velocity_autocorrelation) archive_origins(archive, "velocity", velocity_origins_);
+    // not "velocity": that is the particles'
+    if (parameters_.velocity_autocorrelation)
+        archive_origins(archive, "velocity_autocorrelation", velocity_origins_);
 }
 
 template double kinetic_stress(Particles<2> const&, Box<2> const&, double);

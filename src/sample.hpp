@@ -102,6 +102,7 @@ private:
     void archive_origins(Archive& archive, std::string const& name, std::vector<Origin>& origins);
 
     SampleParameters parameters_;
+    double time_step_ = 0.0;
     Record record_;
     PairSearch<d> wide_search_;  // for g(r) beyond the cutoff
     PairList<d> wide_pairs_;

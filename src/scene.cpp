@@ -63,8 +63,8 @@ toml::table parse_value(std::string const& value, std::string const& name) {
 void override_key(toml::table& table, std::string const& assignment, std::string const& origin) {
     auto const equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0)
-        throw InputError(one_line(
-            fmt::format("{} {}: not an assignment; allowed: table.key=value", origin, assignment)));
+        throw InputError(
+            one_line(fmt::format("{} {}: not an assignment; allowed: table.key=value", origin, assignment)));
     std::string const path = assignment.substr(0, equals), value = assignment.substr(equals + 1);
     std::string const name = fmt::format("{} {}", origin, path);
     toml::table parsed = parse_value(value, name);
@@ -72,8 +72,11 @@ void override_key(toml::table& table, std::string const& assignment, std::string
     std::string key = path;
     for (auto dot = key.find('.'); dot != std::string::npos; dot = key.find('.')) {
         std::string const parent = key.substr(0, dot);
-        if (!target->contains(parent))
-            target->insert(parent, std::move(*parse_value("{}", name).get("value")));
+        if (!target->contains(parent)) {
+            toml::table created = parse_value("{}", name);
+            created.get("value")->as_table()->is_inline(false);  // written like a table of the file
+            target->insert(parent, std::move(*created.get("value")));
+        }
         toml::node* const child = target->get(parent);
         if (!child->is_table()) throw InputError(fmt::format("{}: {} is not a table", name, parent));
         target = child->as_table();
@@ -87,6 +90,8 @@ namespace {
 constexpr std::array<std::string_view, 6> stage_names{"shardlow", "euler",   "kick",
                                                       "drift",    "scatter", "sample"};
 constexpr std::array<std::string_view, 3> observable_names{"kinetic_temperature", "momentum", "stress"};
+
+constexpr Allowed bin_count{[](double x) { return x >= 1.0 && x <= 1e6; }, "an integer, 1 to 10^6"};
 
 std::uint64_t steps_of(double time, double step) {
     return static_cast<std::uint64_t>(std::llround(time / step));
@@ -161,7 +166,8 @@ void read_thermostats(Scene& scene, TomlReader& root) {
     }
 }
 
-CorrelationParameters read_correlation(TomlReader reader, double time_step) {
+CorrelationParameters read_correlation(Scene const& scene, TomlReader reader) {
+    double const time_step = scene.time_step;
     double const spacing = reader.number("spacing", time_step, positive);
     double const longest = reader.number("longest", std::nullopt, positive);
     double const origins = reader.number("origins", spacing, positive);
@@ -171,6 +177,8 @@ CorrelationParameters read_correlation(TomlReader reader, double time_step) {
     p.lags = std::max<std::uint64_t>(1, steps_of(longest, time_step * double(p.spacing)));
     p.origin_spacing =
         p.spacing * std::max<std::uint64_t>(1, steps_of(origins, time_step * double(p.spacing)));
+    if (p.spacing * p.lags >= scene.production_steps)
+        reader.fail("longest", fmt::format("{} does not fit into time.duration", longest));
     return p;
 }
 
@@ -184,12 +192,12 @@ void read_sample(Scene& scene, TomlReader reader) {
     }
     if (auto table = reader.table("profile")) {
         sample.profile = {.interval = table->integer("interval", 1, positive_integer),
-                          .bins = table->integer("bins", 40, positive_integer)};
+                          .bins = table->integer("bins", 40, bin_count)};
         table->finish();
     }
     if (auto table = reader.table("radial_distribution")) {
         sample.radial_distribution = {.interval = table->integer("interval", 100, positive_integer),
-                                      .bins = table->integer("bins", 100, positive_integer),
+                                      .bins = table->integer("bins", 100, bin_count),
                                       .range = table->number("range", 2.0, positive)};
         for (double const side : scene.length)
             if (side < 2.0 * sample.radial_distribution->range)
@@ -198,9 +206,9 @@ void read_sample(Scene& scene, TomlReader reader) {
         table->finish();
     }
     if (auto table = reader.table("mean_square_displacement"))
-        sample.mean_square_displacement = read_correlation(*table, scene.time_step);
+        sample.mean_square_displacement = read_correlation(scene, *table);
     if (auto table = reader.table("velocity_autocorrelation"))
-        sample.velocity_autocorrelation = read_correlation(*table, scene.time_step);
+        sample.velocity_autocorrelation = read_correlation(scene, *table);
     reader.finish();
 }
 
@@ -294,7 +302,10 @@ Scene parse_scene(std::string const& text, std::string const& name, std::vector<
     for (auto const& assignment : overrides) override_key(table, assignment, "--set");
     Scene scene = read_scene(table, name);
     if (seed) scene.seed = *seed;
+    // what does not change the results does not change the key
     table.erase("seed");
+    table.erase("title");
+    table["time"].as_table()->erase("checkpoint");
     std::ostringstream merged;
     merged << table;
     scene.text = merged.str();

@@ -1,6 +1,7 @@
 #include "statistics.hpp"
 
 #include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -8,6 +9,9 @@
 
 namespace dpd {
 namespace {
+
+// Probability of taking runs of one ensemble for different ones.
+constexpr double run_scatter_significance = 1e-3;
 
 double mean_of(std::span<double const> values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
@@ -62,13 +66,26 @@ Estimate combine(std::span<std::vector<double> const> runs) {
         length = std::max(length, block_length(run));
         all.insert(all.end(), run.begin(), run.end());
     }
-    std::vector<double> pooled;
+    std::vector<double> pooled, run_means;
+    double within = 0.0;  // sum of squared deviations of the blocks from their run's mean
     for (auto const& run : runs) {
         if (run.empty()) continue;
         auto const means = block_means(run, std::min(length, run.size()));
+        run_means.push_back(mean_of(means));
+        for (double const mean : means) within += std::pow(mean - run_means.back(), 2);
         pooled.insert(pooled.end(), means.begin(), means.end());
     }
     Estimate estimate = independent(pooled);
+    if (run_means.size() >= 2 && pooled.size() > run_means.size()) {
+        // Do whole runs differ by more than their blocks let expect? Then each run counts as one value.
+        auto const r = double(run_means.size()), n = double(pooled.size());
+        double const by_runs = variance_of_mean(run_means, mean_of(run_means));
+        double const by_blocks = within / ((n - r) * n);
+        boost::math::fisher_f const distribution(r - 1.0, n - r);
+        if (by_runs > boost::math::quantile(boost::math::complement(distribution, run_scatter_significance)) *
+                          by_blocks)
+            estimate = independent(run_means);
+    }
     if (pooled.size() >= 2) {
         double const naive = variance_of_mean(all, mean_of(all));
         if (naive > 0.0) estimate.inefficiency = estimate.error * estimate.error / naive;

@@ -2,9 +2,9 @@
 
 #include <H5Cpp.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <mutex>
 #include <type_traits>
@@ -60,7 +60,7 @@ struct Archive::File {
 
 Archive::Archive(std::filesystem::path path, Mode mode)
     : file_(std::make_unique<File>()), path_(std::move(path)), temporary_(path_), mode_(mode) {
-    temporary_ += fmt::format(".{}.part", ::getpid());
+    temporary_ += ".part";
     if (mode_ == Mode::write && path_.has_parent_path() &&
         !std::filesystem::is_directory(path_.parent_path()))
         throw InputError(fmt::format("{}: cannot create: the directory does not exist", path_.string()));
@@ -194,6 +194,21 @@ void Archive::describe_as_h5md() {
     guarded(path_, "write", [&] { write_h5md_metadata(file_->h5); });
 }
 
+void Archive::describe_time(std::string const& name, std::uint64_t first_step, std::uint64_t interval,
+                            double time_step) {
+    // H5MD's form for a fixed interval: a scalar increment with the attribute "offset"
+    auto const axis = [&]<class T>(std::string const& which, T increment, T offset) {
+        H5::DataSpace const scalar(H5S_SCALAR);
+        H5::DataSet const set = create(file_->h5, fmt::format("{}/{}", name, which), type_of<T>(), scalar);
+        set.write(&increment, type_of<T>());
+        set.createAttribute("offset", type_of<T>(), scalar).write(type_of<T>(), &offset);
+    };
+    guarded(path_, "write", [&] {
+        axis("step", interval, first_step);
+        axis("time", double(interval) * time_step, double(first_step) * time_step);
+    });
+}
+
 // ---------------------------------------------------------------------------------------------------------
 
 struct Trajectory::File {
@@ -203,6 +218,16 @@ struct Trajectory::File {
     hsize_t particles = 0;
     hsize_t dimension = 0;
     std::vector<double> box_length;
+    double shear_rate = 0.0;
+
+    // The box vectors, one per row; in shear the second leads to the displaced image.
+    std::vector<double> edges(double time) const {
+        std::vector<double> matrix(dimension * dimension, 0.0);
+        for (std::size_t axis = 0; axis < dimension; ++axis)
+            matrix[axis * (dimension + 1)] = box_length[axis];
+        matrix[dimension] = std::fmod(shear_rate * box_length[1] * time, box_length[0]);
+        return matrix;
+    }
 
     // Time-dependent H5MD elements are data sets that grow along their first axis.
     void create_element(std::string const& name, H5::DataType const& type, std::vector<hsize_t> shape) {
@@ -254,6 +279,7 @@ Trajectory::Trajectory(std::filesystem::path const& path, std::vector<double> co
     file_->particles = particles;
     file_->dimension = box_length.size();
     file_->box_length = box_length;
+    file_->shear_rate = shear_rate;
     if (keep_until_step > 0 && std::filesystem::exists(path)) {
         guarded(path, "reopen", [&] {
             file_->h5 = H5::H5File(path.string(), H5F_ACC_RDWR);
@@ -273,7 +299,7 @@ Trajectory::Trajectory(std::filesystem::path const& path, std::vector<double> co
         file.create_element(elements[2], H5::PredType::NATIVE_DOUBLE, {file.particles, file.dimension});
         file.create_element(elements[3], H5::PredType::NATIVE_DOUBLE, {file.particles, file.dimension});
         file.create_element(elements[4], H5::PredType::NATIVE_INT32, {file.particles, file.dimension});
-        file.create_element(elements[5], H5::PredType::NATIVE_DOUBLE, {file.dimension});
+        file.create_element(elements[5], H5::PredType::NATIVE_DOUBLE, {file.dimension, file.dimension});
         for (char const* element : {"velocity", "image", "box/edges"})
             for (char const* stamp : {"step", "time"})
                 file.h5.link(H5L_TYPE_HARD, all + "position/" + stamp, all + element + "/" + stamp);
@@ -306,7 +332,7 @@ void Trajectory::append(std::uint64_t step, double time, std::vector<double> con
         file_->write_frame(elements[2], H5::PredType::NATIVE_DOUBLE, position.data());
         file_->write_frame(elements[3], H5::PredType::NATIVE_DOUBLE, velocity.data());
         file_->write_frame(elements[4], H5::PredType::NATIVE_INT32, image.data());
-        file_->write_frame(elements[5], H5::PredType::NATIVE_DOUBLE, file_->box_length.data());
+        file_->write_frame(elements[5], H5::PredType::NATIVE_DOUBLE, file_->edges(time).data());
         ++file_->frames;
         file_->h5.flush(H5F_SCOPE_GLOBAL);
     });

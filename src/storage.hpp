@@ -38,6 +38,11 @@ public:
     /// Adds the root group that makes the file's observables readable as H5MD (write only).
     void describe_as_h5md();
 
+    /// Adds the H5MD time axis of the observable `name`, sampled every `interval` steps from `first_step` on
+    /// (write only).
+    void describe_time(std::string const& name, std::uint64_t first_step, std::uint64_t interval,
+                       double time_step);
+
     /// Puts the finished file in place.
     void commit();
 

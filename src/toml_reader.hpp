@@ -173,8 +173,8 @@ private:
                 shown = "a table";
             }
         });
-        throw InputError(one_line(
-            fmt::format("{}: {}{}: {} is not allowed; allowed: {}", where(node), path_, key, shown, allowed)));
+        throw InputError(one_line(fmt::format("{}: {}{}: {} is not allowed; allowed: {}", where(node), path_,
+                                              key, shown, allowed)));
     }
 
     std::string where(toml::node const& node) const {

@@ -125,6 +125,15 @@ double temperature_at_finite_step(ExplicitDpd const& fluid, double dt) {
     return A3(fluid) / (fluid.m * damping);
 }
 
+double temperature_with_frozen_neighbours(ExplicitDpd const& fluid, double dt) {
+    require_positive({{"n", fluid.n}, {"dt", dt}});
+    if (fluid.random_weight)
+        throw std::domain_error(
+            "frozen neighbours have one temperature for matched weights only, w_R^2 = w_D");
+    double const a1 = A1(fluid);
+    return A3(fluid) / (2.0 * fluid.m * a1) * (1.0 + 0.5 * fluid.n * a1 * dt);
+}
+
 double critical_step(ExplicitDpd const& fluid) {
     require_positive({{"n", fluid.n}});
     double const a1 = A1(fluid);

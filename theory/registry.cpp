@@ -88,6 +88,16 @@ std::vector<ClosedForm> const& all_forms() {
          [](Arguments const& a) {
              return temperature_at_finite_step(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
          }},
+        {"my22-frozen",
+         "MY1997",
+         "22, frozen",
+         "kT of explicit DPD if neighbours never change",
+         "A3/(2 m A1) (1 + n A1 dt/2)",
+         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight"},
+         {},
+         [](Arguments const& a) {
+             return temperature_with_frozen_neighbours(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
+         }},
         {"my23-A1",
          "MY1997",
          "23",

@@ -27,10 +27,10 @@ if [ -n "$missing" ]; then
 fi
 
 if [ "$job" = figures ]; then
-    cmake --preset native -G Ninja
-    cmake --build --preset native
+    cmake --preset release -G Ninja
+    cmake --build --preset release
     echo "regenerating all figures at the quick budget; they appear in figures/quick"
-    build/native/dpdref figure all --budget quick
+    build/release/dpdref figure all --budget quick
 else
     preset=release
     [ "${CI:-}" != true ] || preset=ci # warnings are errors

@@ -1,6 +1,6 @@
 /// @file
 /// What a particle and step costs, as a whole and by part. CPU time; the counter `per_particle_step`
-/// (seconds, printed in ns) is the the one to compare.
+/// (seconds, printed in ns) is the one to compare.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 # Diffusion constant against the step, friction 9.
-msd = "gamma=9:diffusion_constant"
-q = ":green_kubo_diffusion_constant"
+msd = "gamma=9:diffusion_constant:ng17"
+q = ":green_kubo_diffusion_constant:ng17"
 
 @upper
 set logscale xy

@@ -2,7 +2,7 @@
 names = "gamma=1 gamma=9"
 array colour_kin[2] = [blue, red]
 array colour_col[2] = [sky, yellow]
-kin = ":kinetic_viscosity"; col = ":collision_viscosity"
+kin = ":kinetic_viscosity:ng8"; col = ":collision_viscosity:ng12"
 part(n, q) = word(names, n).q
 
 @upper

@@ -1,6 +1,7 @@
 // The engine against exact statements: pair search, one-step updates, conservation laws, noise. Statistical
 // checks use fixed seeds and a bound of 4.5 standard errors, false alarms 7e-6 each.
 #define BOOST_TEST_MODULE engine
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -455,6 +456,46 @@ BOOST_DATA_TEST_CASE(shardlow_keeps_temperature_and_structure_at_any_step,
     Estimate const t = blocking(temperature), g = blocking(pairs);
     BOOST_TEST(std::abs(t.value - 1.0) < false_alarm_bound * (time_step < 0.1 ? single_kT : t.error));
     BOOST_TEST(std::abs(g.value - 1.0) < false_alarm_bound * (time_step < 1.0 ? single_pairs : g.error));
+}
+
+// With frozen positions each normal mode of the Euler friction settles at kT/(1 - rate dt/2):
+// theory/MY1997.md.
+BOOST_AUTO_TEST_CASE(euler_with_frozen_neighbours_heats_each_mode_by_its_rate) {
+    double const dt = 0.1, m = 1.4, gamma = 0.9, sigma = 0.8;
+    constexpr Eigen::Index n = 24;
+    auto simulation = gas<2>({4.0, 4.0}, n, 0.0, dt, 9);
+    simulation.particles.mass = m;
+    simulation.pair_search.cutoff = 2.0;
+    simulation.stages = {
+        {"euler",
+         EulerImpulses<2>{.gamma = gamma, .sigma = sigma, .weight = Weight::parabolic, .cutoff = 2.0}},
+        {"kick", Kick<2>{}}};
+    Eigen::MatrixXd friction = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    auto const& pairs = simulation.pairs();
+    for (std::size_t k = 0; k < pairs.count; ++k) {
+        Eigen::VectorXd e = Eigen::VectorXd::Zero(2 * n);
+        for (Eigen::Index axis = 0; axis < 2; ++axis) {
+            e[2 * pairs.i[k] + axis] = pairs.unit[static_cast<std::size_t>(axis)][k];
+            e[2 * pairs.j[k] + axis] = -e[2 * pairs.i[k] + axis];
+        }
+        friction += gamma / m * (1.0 - std::pow(pairs.distance[k] / 2.0, 2)) * e * e.transpose();
+    }
+    Eigen::VectorXd const rate = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(friction).eigenvalues();
+    BOOST_TEST_REQUIRE(rate.maxCoeff() * dt < 1.5);
+    // the two modes of the total momentum stay at rest; kT counts the other 2(n-1)
+    double expected = 0.0;
+    for (Eigen::Index k = 2; k < 2 * n; ++k)
+        expected += sigma * sigma / (2.0 * gamma) / (1.0 - 0.5 * rate[k] * dt);
+    expected /= double(2 * (n - 1));
+    BOOST_TEST(expected > 1.05 * sigma * sigma / (2.0 * gamma));
+    std::vector<double> temperature;
+    for (int step = 0; step < 200'000; ++step) {
+        simulation.advance();
+        if (step > 2000) temperature.push_back(kinetic_temperature(simulation.particles, simulation.box));
+    }
+    Estimate const estimate = blocking(temperature);
+    BOOST_TEST(std::abs(estimate.value - expected) < false_alarm_bound * estimate.error);
+    BOOST_TEST(estimate.error < 0.005 * expected);
 }
 
 BOOST_AUTO_TEST_CASE(no_friction_changes_nothing) {

@@ -1,6 +1,9 @@
 /// @file
-/// Reading scenes: what is allowed, and one line (file, line, key, what is allowed) for everything that is not.
+/// Reading scenes: what is allowed, and one line (file, line, key, what is allowed) for everything that is
+/// not.
 #define BOOST_TEST_MODULE scene
+#include "scene.hpp"
+
 #include <unistd.h>
 
 #include <boost/test/unit_test.hpp>
@@ -11,7 +14,6 @@
 #include <vector>
 
 #include "errors.hpp"
-#include "scene.hpp"
 
 using namespace dpd;
 
@@ -19,32 +21,32 @@ namespace {
 
 /// A good scene, by line; a test replaces one line by another.
 std::vector<std::string> const good{
-    "title = \"a scene\"",                                   // 1
-    "dimension = 3",                                         // 2
-    "seed = 5",                                              // 3
-    "stages = [\"shardlow\", \"sample\", \"drift\"]",        // 4
-    "[box]",                                                 // 5
-    "length = [4.0, 5.0, 6.0]",                              // 6
-    "shear_rate = 0.1",                                      // 7
-    "[particles]",                                           // 8
-    "density = 3.0",                                         // 9
-    "mass = 2.0",                                            // 10
-    "[shardlow]",                                            // 11
-    "friction = 9.0",                                        // 12
-    "weight = \"linear\"",                                   // 13
-    "[time]",                                                // 14
-    "step = 0.1",                                            // 15
-    "duration = 10.0",                                       // 16
-    "[sample]",                                              // 17
-    "observables = [\"kinetic_temperature\", \"stress\"]",   // 18
-    "[sample.radial_distribution]",                          // 19
-    "range = 2.0",                                           // 20
-    "[sample.mean_square_displacement]",                     // 21
-    "longest = 2.0",                                         // 22
-    "[pairs]",                                               // 23
-    "order = \"cell\"",                                      // 24
-    "[trajectory]",                                          // 25
-    "interval = 10",                                         // 26
+    "title = \"a scene\"",                                  // 1
+    "dimension = 3",                                        // 2
+    "seed = 5",                                             // 3
+    "stages = [\"shardlow\", \"sample\", \"drift\"]",       // 4
+    "[box]",                                                // 5
+    "length = [4.0, 5.0, 6.0]",                             // 6
+    "shear_rate = 0.1",                                     // 7
+    "[particles]",                                          // 8
+    "density = 3.0",                                        // 9
+    "mass = 2.0",                                           // 10
+    "[shardlow]",                                           // 11
+    "friction = 9.0",                                       // 12
+    "weight = \"linear\"",                                  // 13
+    "[time]",                                               // 14
+    "step = 0.1",                                           // 15
+    "duration = 10.0",                                      // 16
+    "[sample]",                                             // 17
+    "observables = [\"kinetic_temperature\", \"stress\"]",  // 18
+    "[sample.radial_distribution]",                         // 19
+    "range = 2.0",                                          // 20
+    "[sample.mean_square_displacement]",                    // 21
+    "longest = 2.0",                                        // 22
+    "[pairs]",                                              // 23
+    "order = \"cell\"",                                     // 24
+    "[trajectory]",                                         // 25
+    "interval = 10",                                        // 26
 };
 
 std::string join(std::vector<std::string> const& lines) {
@@ -70,7 +72,8 @@ std::string complaint(std::function<void()> const& action) {
 }
 
 /// One line that begins with `begin` and contains `words`.
-void check_message(std::string const& message, std::string const& begin, std::vector<std::string> const& words) {
+void check_message(std::string const& message, std::string const& begin,
+                   std::vector<std::string> const& words) {
     BOOST_TEST(message.find('\n') == std::string::npos, "more than one line: " << message);
     BOOST_TEST(message.starts_with(begin), "\"" << message << "\" does not begin with " << begin);
     for (auto const& word : words)
@@ -166,7 +169,10 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
         // unknown keys: in the root, in a table, two levels deep
         {3, "sed = 5", "3: sed: ", {"unknown key", "allowed", "seed"}},
         {13, "wieght = \"linear\"", "13: shardlow.wieght: ", {"unknown key", "allowed", "weight"}},
-        {22, "longest = 2.0\nlags = 3", "23: sample.mean_square_displacement.lags: ", {"unknown key", "longest"}},
+        {22,
+         "longest = 2.0\nlags = 3",
+         "23: sample.mean_square_displacement.lags: ",
+         {"unknown key", "longest"}},
         {23, "[pears]", "23: pears: ", {"unknown key", "allowed", "pairs"}},
         {1, "\"ti\\ntle\" = 1", "1: ", {"unknown key", "allowed"}},
         // numbers
@@ -220,7 +226,10 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
         {3, "seed = -1", "3: seed: ", {"-1", "allowed", "an integer >= 0"}},
         {3, "seed = 1.5", "3: seed: ", {"1.5", "allowed", "an integer >= 0"}},
         {1, "title = 3", "1: title: ", {"3", "allowed", "a string"}},
-        {4, "stages = [\"shardlow\", \"jump\", \"sample\", \"drift\"]", "4: stages: ", {"jump", "allowed", "drift"}},
+        {4,
+         "stages = [\"shardlow\", \"jump\", \"sample\", \"drift\"]",
+         "4: stages: ",
+         {"jump", "allowed", "drift"}},
         {4, "stages = []", "4: stages: ", {"is empty", "allowed", "drift"}},
         {4, "stages = \"drift\"", "4: stages: ", {"allowed", "a list of", "drift"}},
         {4, "stages = [1]", "4: stages: ", {"1", "allowed", "drift"}},
@@ -238,12 +247,18 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
         {26, "interval = 1\n[euler]\ngamma = 1\nsigma = 1", "27: euler: ", {"not among the stages"}},
         {4, "stages = [\"drift\", \"sample\"]", "11: shardlow: ", {"not among the stages"}},
         {4, "stages = [\"shardlow\", \"drift\"]", "17: sample: ", {"not among the stages"}},
-        {4, "stages = [\"shardlow\", \"euler\", \"sample\", \"drift\"]", "1: euler: ", {"is missing", "allowed", "[euler]"}},
+        {4,
+         "stages = [\"shardlow\", \"euler\", \"sample\", \"drift\"]",
+         "1: euler: ",
+         {"is missing", "allowed", "[euler]"}},
         {4, "stages = [\"shardlow\", \"kick\", \"sample\", \"drift\"]", "4: stages: ", {"kick", "euler"}},
         // stress needs the impulses of a pair update at the present positions
         {4, "stages = [\"sample\", \"shardlow\", \"drift\"]", "4: stages: ", {"stress", "allowed"}},
         {4, "stages = [\"shardlow\", \"drift\", \"sample\"]", "4: stages: ", {"stress", "allowed"}},
-        {4, "stages = [\"shardlow\", \"scatter\", \"sample\", \"drift\"]", "4: stages: ", {"stress", "allowed"}},
+        {4,
+         "stages = [\"shardlow\", \"scatter\", \"sample\", \"drift\"]",
+         "4: stages: ",
+         {"stress", "allowed"}},
         // syntax
         {15, "step = ", "15: ", {}},
         {15, "step 0.1", "15: ", {}},
@@ -251,7 +266,8 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
         {16, "step = 0.1", "16: ", {"step"}},
     };
     for (auto const& mistake : mistakes) {
-        std::string const message = complaint([&] { parse_scene(with(mistake.line, mistake.replacement), "f.toml"); });
+        std::string const message =
+            complaint([&] { parse_scene(with(mistake.line, mistake.replacement), "f.toml"); });
         BOOST_TEST_CONTEXT("line " << mistake.line << ": " << mistake.replacement)
         check_message(message, "f.toml:" + mistake.begin, mistake.words);
     }
@@ -269,7 +285,7 @@ BOOST_AUTO_TEST_CASE(a_kick_needs_its_impulses_first) {
 }
 
 BOOST_AUTO_TEST_CASE(missing_tables) {
-    for (std::string const& table : {"box", "particles", "shardlow", "time"}) {
+    for (std::string const table : {"box", "particles", "shardlow", "time"}) {
         std::string text;
         bool inside = false;
         for (auto const& line : good) {
@@ -280,7 +296,8 @@ BOOST_AUTO_TEST_CASE(missing_tables) {
                       {"is missing", "allowed", "[" + table + "]"});
     }
     check_message(complaint([] { parse_scene("time = 3\n" + with(14, ""), "f.toml"); }), "f.toml:", {"time"});
-    check_message(complaint([] { parse_scene("", "f.toml"); }), "f.toml", {"dimension", "is missing", "2 or 3"});
+    check_message(complaint([] { parse_scene("", "f.toml"); }), "f.toml",
+                  {"dimension", "is missing", "2 or 3"});
 }
 
 BOOST_AUTO_TEST_CASE(files_that_cannot_be_read) {
@@ -331,7 +348,8 @@ BOOST_AUTO_TEST_CASE(overrides) {
     check_message(complaint_of("time.step="), "--set time.step: ", {"allowed", "a number > 0"});
     check_message(complaint_of("time.step.x=3"), "--set time.step.x: ", {"step is not a table"});
     check_message(complaint_of("time=3"), "--set time: ", {"3", "allowed", "a table"});
-    check_message(complaint_of("shardlow.weight=cubic"), "--set shardlow.weight: ", {"cubic", "allowed", "linear"});
+    check_message(complaint_of("shardlow.weight=cubic"),
+                  "--set shardlow.weight: ", {"cubic", "allowed", "linear"});
     check_message(complaint_of("shardlow.weight=cu\nbic"), "--set shardlow.weight: ", {"allowed", "linear"});
     check_message(complaint_of("shardlow.weight=c'u\"b"), "--set shardlow.weight: ", {"allowed", "linear"});
     check_message(complaint_of("time.step=1\nmass=3"), "--set time.step: ", {"allowed", "a number > 0"});
@@ -351,12 +369,14 @@ BOOST_AUTO_TEST_CASE(key_names_what_determines_the_results) {
     std::string commented = "# a comment\n\n";
     for (auto const& line : good) commented += line + "  # why\n\n";
     BOOST_TEST(key(commented) == reference);
-    std::vector<std::string> reordered(good.begin() + 13, good.end());                       // [time] ...
-    reordered.insert(reordered.begin(), good.begin(), good.begin() + 4);                     // the root
-    reordered.insert(reordered.end(), good.begin() + 4, good.begin() + 13);                  // [box] ...
+    std::vector<std::string> reordered(good.begin() + 13, good.end());       // [time] ...
+    reordered.insert(reordered.begin(), good.begin(), good.begin() + 4);     // the root
+    reordered.insert(reordered.end(), good.begin() + 4, good.begin() + 13);  // [box] ...
     BOOST_TEST(key(join(reordered)) == reference);
     std::swap(reordered[0], reordered[2]);
     BOOST_TEST(key(join(reordered)) == reference);
+    BOOST_TEST(key(join(good), {"sample.profile.bins=8"}) ==
+               key(with(19, "[sample.profile]\nbins = 8\n" + good[18])));
     BOOST_TEST(key(join(good), {"time.step=0.1"}) == reference);  // an override that changes nothing
 
     // everything else does: a value, down to its last bit, and the seed, wherever it is given

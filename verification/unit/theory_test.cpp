@@ -295,6 +295,23 @@ BOOST_AUTO_TEST_CASE(my22_small_step_is_fluctuation_dissipation_at_first_order) 
     }
 }
 
+BOOST_AUTO_TEST_CASE(my22_frozen_neighbours_lie_below_by_the_spread_of_the_rates) {
+    for (int const d : {2, 3})
+        for (Weight const weight : all_weights) {
+            ExplicitDpd const fluid{
+                .d = d, .n = 0.7, .m = 1.3, .gamma = 0.4, .sigma = 1.1, .rc = 1.7, .weight = weight};
+            double const dt = 1e-3, rate = 0.7 * 0.4 / (1.3 * d) * unit_sphere_surface(d) * std::pow(1.7, d) *
+                                           moment(weight, d - 1);
+            double const frozen = temperature_with_frozen_neighbours(fluid, dt);
+            check_close(frozen, 1.1 * 1.1 / (2.0 * 0.4) * (1.0 + 0.5 * rate * dt));
+            // the first-order difference from eq. 22 is the part A2/A1 of single partners
+            double const difference = (temperature_at_finite_step(fluid, dt) / frozen - 1.0) / dt;
+            check_close(difference, 0.5 * A2(fluid) / A1(fluid), 2e-2);
+        }
+    ExplicitDpd const unmatched{.n = 1.0, .gamma = 1.0, .sigma = 1.0, .random_weight = Weight::linear};
+    BOOST_CHECK_THROW(temperature_with_frozen_neighbours(unmatched, 0.1), std::domain_error);
+}
+
 BOOST_AUTO_TEST_CASE(my25_and_my26_are_where_my22_diverges) {
     for (auto const& c : cases()) {
         auto fluid = c.explicit_dpd();
@@ -712,9 +729,9 @@ BOOST_AUTO_TEST_CASE(what_is_not_positive_is_refused) {
 
 BOOST_AUTO_TEST_CASE(registry_lists_the_promised_ids_with_known_parameters) {
     std::vector<std::string_view> const promised{
-        "my22",       "my23-A1",  "my23-A2",  "my23-A3",   "my25",       "my26",
-        "ng8",        "ng9",      "ng10",     "ng12",      "ng12-limit", "ng17",
-        "ng17-limit", "ng8-lowe", "ng9-lowe", "ng12-lowe", "ng17-lowe",  "yeh-hummer"};
+        "my22",     "my22-frozen", "my23-A1",   "my23-A2",   "my23-A3",    "my25", "my26",
+        "ng8",      "ng9",         "ng10",      "ng12",      "ng12-limit", "ng17", "ng17-limit",
+        "ng8-lowe", "ng9-lowe",    "ng12-lowe", "ng17-lowe", "yeh-hummer"};
     std::vector<std::string_view> listed;
     for (auto const& form : closed_forms()) {
         listed.push_back(form.id);
@@ -749,8 +766,11 @@ BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
     auto const s1 = c.shardlow();
     auto const lowe = c.lowe();
     double const dt = c.dt;
+    auto matched = fluid;
+    matched.random_weight.reset();
     std::vector<std::pair<std::string_view, double>> const expected{
         {"my22", temperature_at_finite_step(fluid, dt)},
+        {"my22-frozen", temperature_with_frozen_neighbours(matched, dt)},
         {"my23-A1", A1(fluid)},
         {"my23-A2", A2(fluid)},
         {"my23-A3", A3(fluid)},

@@ -1,0 +1,235 @@
+#!/bin/bash
+# The command line as scripts see it: exit codes, one-line messages, pipes, signals, resuming.
+# Usage: cli_test.sh PATH_OF_DPDREF
+set -u
+
+dpdref=$(realpath "${1:?usage: cli_test.sh PATH_OF_DPDREF}")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 99
+failures=0
+
+fail() {
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+}
+
+# check WHAT COMMAND...: the command must succeed
+check() {
+    local what=$1
+    shift
+    "$@" || fail "$what"
+}
+
+# Runs dpdref; leaves exit code, standard output and standard error in $code, out, err.
+call() {
+    "$dpdref" "$@" >out 2>err </dev/null
+    code=$?
+}
+
+# expect CODE [PATTERN...] -- ARGUMENTS: exit code; on failure exactly one line, "dpdref: ...", with every pattern
+expect() {
+    local wanted=$1
+    shift
+    local patterns=()
+    while [ "$1" != "--" ]; do
+        patterns+=("$1")
+        shift
+    done
+    shift
+    call "$@"
+    [ "$code" -eq "$wanted" ] || fail "dpdref $*: exit code $code, expected $wanted: $(head -c 300 err)"
+    if [ "$wanted" -ne 0 ]; then
+        [ "$(wc -l <err)" -eq 1 ] || fail "dpdref $*: $(wc -l <err) lines of complaint, expected 1: $(cat err)"
+        grep -q '^dpdref: ' err || fail "dpdref $*: the complaint does not begin with dpdref: $(cat err)"
+        [ ! -s out ] || fail "dpdref $*: printed results in spite of the error"
+        local pattern
+        for pattern in ${patterns[@]+"${patterns[@]}"}; do
+            grep -qF -- "$pattern" err || fail "dpdref $*: the complaint lacks '$pattern': $(cat err)"
+        done
+    fi
+}
+
+no_remains() {
+    local found
+    found=$(find . -name '*.part')
+    [ -z "$found" ] || fail "$1: left $found"
+}
+
+is_json() {
+    command -v python3 >/dev/null || return 0
+    python3 -m json.tool <"$1" >/dev/null
+}
+
+# What of a run's JSON must not depend on interruptions.
+numbers() { grep -vE '"(seconds|bytes|nanoseconds_per_particle_and_step)"' "$1"; }
+
+cat >scene.toml <<'TOML'
+title = "a scene"
+dimension = 2
+stages = ["shardlow", "sample", "drift"]
+[box]
+length = [6.0, 6.0]
+[particles]
+density = 2.0
+[shardlow]
+friction = 3.0
+[time]
+step = 0.1
+duration = 10.0
+[sample]
+observables = ["kinetic_temperature", "momentum", "stress"]
+[sample.velocity_autocorrelation]
+longest = 1.0
+TOML
+
+# --- the program itself ---------------------------------------------------------------------------------
+call --version
+[ "$code" -eq 0 ] && grep -qE '^dpdref [0-9]+\.[0-9]+\.[0-9]+' out || fail "--version"
+call --help
+[ "$code" -eq 0 ] && grep -q theory out || fail "--help"
+expect 2 subcommand --
+expect 2 -- fly
+expect 2 -- run
+expect 2 -- run scene.toml --no-such-option
+expect 2 -- run scene.toml --seed x
+
+# --- theory ---------------------------------------------------------------------------------------------
+expect 0 -- theory
+for id in my22 my25 my26 ng8 ng9 ng12 ng17 ng8-lowe ng9-lowe ng12-lowe; do
+    grep -q "^$id " out || fail "theory: the list lacks $id"
+done
+expect 0 -- theory --json
+check "theory --json is no JSON" is_json out
+expect 0 -- theory ng8 d=3 n=3 gamma=9 dt=0.1
+[[ $(tail -n 1 out) =~ ^0\.26624435137[0-9]*$ ]] || fail "theory ng8: the last line is $(tail -n 1 out)"
+expect 0 -- theory ng8 d=3 n=3 gamma=9 dt=0.1 --json
+check "theory ng8 --json is no JSON" is_json out
+grep -q '"value":0.26624435137' out || fail "theory ng8 --json: $(cat out)"
+expect 2 ng99 my22 -- theory ng99
+expect 2 ng8 colour -- theory ng8 d=3 n=3 gamma=9 dt=0.1 colour=2
+expect 2 ng8 "'n'" -- theory ng8 d=3 gamma=9 dt=0.1
+expect 2 "'n'" x -- theory ng8 d=3 n=x gamma=9 dt=0.1
+expect 2 "'n'" -1 -- theory ng8 d=3 n=-1 gamma=9 dt=0.1
+expect 2 dt key=value -- theory ng8 d=3 n=3 gamma=9 dt
+
+# --- run: bad input -------------------------------------------------------------------------------------
+expect 2 missing.toml -- run missing.toml
+expect 2 "cannot be read" -- run "$work"
+expect 2 allowed "a number > 0" time.step -- run scene.toml --set time.step=-1
+expect 2 shardlow.weight allowed quadratic -- run scene.toml --set shardlow.weight=cubic
+expect 2 time.speed "unknown key" -- run scene.toml --set time.speed=1
+expect 2 table.key=value -- run scene.toml --set time.step
+sed 's/step = 0.1/step = fast/' scene.toml >syntax.toml
+expect 2 syntax.toml:11 -- run syntax.toml
+sed 's/friction = 3.0/fiction = 3.0/' scene.toml >unknown.toml
+expect 2 unknown.toml:8 shardlow.friction "is missing" -- run unknown.toml
+
+# --- run: outputs that cannot be written ----------------------------------------------------------------
+expect 2 no/such/directory -- run scene.toml --out no/such/directory/a.h5
+mkdir directory
+expect 2 directory -- run scene.toml --out directory
+expect 2 scene.toml/a.h5 -- run scene.toml --out scene.toml/a.h5
+cp scene.toml precious
+expect 2 precious -- run scene.toml --out precious
+cmp -s scene.toml precious || fail "run --out: an existing file was changed"
+no_remains "unwritable output"
+[ ! -e no ] || fail "run --out: created a directory"
+
+# --- run: results, pipes, cache -------------------------------------------------------------------------
+expect 0 -- run scene.toml --out a.h5
+grep -q kinetic_temperature out || fail "run: prints no kinetic temperature"
+expect 0 -- run scene.toml --out a.h5 --json
+check "run --json is no JSON" is_json out
+grep -q '"kinetic_temperature"' out || fail "run --json: no kinetic temperature"
+[ ! -s err ] || fail "run: wrote to standard error: $(cat err)"
+cp out cached.json
+expect 0 -- run scene.toml --json
+[ "$(numbers out)" = "$(numbers cached.json)" ] || fail "run: a result from the file differs from a new one"
+expect 2 a.h5 -- run scene.toml --out a.h5 --seed 2
+expect 0 -- run scene.toml --seed 18446744073709551615 --json
+grep -q '"seed": 18446744073709551615' out || fail "run --seed: not the seed that was given"
+no_remains run
+for seed in -1 18446744073709551616 1x; do
+    expect 2 "--seed: $seed" -- run scene.toml --seed="$seed"
+done
+
+# --- run: divergence ------------------------------------------------------------------------------------
+cat >unstable.toml <<'TOML'
+dimension = 2
+stages = ["euler", "sample", "drift", "kick"]
+[box]
+length = [20.0, 20.0]
+[particles]
+density = 0.2
+[euler]
+gamma = 1.0
+sigma = 1.0
+cutoff = 4.0
+[time]
+step = 2.0
+duration = 100000.0
+[sample]
+observables = ["kinetic_temperature"]
+TOML
+expect 3 "diverged at step " time.step -- run unstable.toml --out unstable.h5
+grep -qE 'diverged at step [0-9]+ ' err || fail "divergence: no step in $(cat err)"
+cp err first
+[ -s unstable.h5 ] || fail "divergence: no file is left"
+expect 3 "diverged at step " -- run unstable.toml --out unstable.h5
+cmp -s err first || fail "divergence: not at the same step again"
+no_remains divergence
+
+# --- run: signals and resuming --------------------------------------------------------------------------
+# a run of seconds; its checkpoints are frequent
+long=(run scene.toml --set particles.density=6 --set "box.length=[16.0, 16.0]" --set time.duration=600
+    --set time.checkpoint=0.05 --json)
+expect 0 -- "${long[@]}"
+cp out whole.json
+[ "$(tr -d -c '\r' <out | wc -c)" -eq 0 ] && [ ! -s err ] || fail "pipe: progress characters, or noise: $(cat err)"
+
+# start OUTPUT: begins the run in the background, returns when its first file is there
+start() {
+    "$dpdref" "${long[@]}" --out "$1" >out 2>err </dev/null &
+    pid=$!
+    for _ in $(seq 200); do
+        [ -e "$1" ] && break
+        sleep 0.02
+    done
+    sleep "$2"
+}
+
+for signal in INT TERM; do
+    start "$signal.h5" 0.3
+    kill -s "$signal" "$pid"
+    wait "$pid"
+    code=$?
+    [ "$code" -eq 130 ] || fail "SIG$signal: exit code $code, expected 130 (too fast a machine?)"
+    grep -qE '^dpdref: interrupted at step [0-9]+ of 6000$' err || fail "SIG$signal: says $(cat err)"
+    [ "$(wc -l <err)" -eq 1 ] || fail "SIG$signal: more than a line: $(cat err)"
+    [ ! -s out ] || fail "SIG$signal: printed results"
+    expect 0 -- "${long[@]}" --out "$signal.h5"
+    [ "$(numbers out)" = "$(numbers whole.json)" ] || fail "SIG$signal: the resumed run differs"
+    no_remains "SIG$signal"
+done
+
+start KILL.h5 0.5
+kill -s KILL "$pid"
+wait "$pid" 2>/dev/null
+code=$?
+[ "$code" -eq 137 ] || fail "SIGKILL: exit code $code: it had ended before"
+if command -v h5dump >/dev/null; then
+    step=$(h5dump -d /checkpoint/step KILL.h5 | sed -n 's/.*(0): \([0-9]*\).*/\1/p')
+    [ "${step:-0}" -gt 0 ] || fail "SIGKILL: no checkpoint after half a second"
+fi
+rm -f KILL.h5.*.part # a kill may hit a checkpoint being written; the file itself is whole
+expect 0 -- "${long[@]}" --out KILL.h5
+[ "$(numbers out)" = "$(numbers whole.json)" ] || fail "SIGKILL: the resumed run differs"
+no_remains SIGKILL
+
+# --- report ---------------------------------------------------------------------------------------------
+expect 2 figures "dpdref figure" -- report
+expect 2 nothing -- report --figures nothing
+
+[ "$failures" -eq 0 ] && echo "all checks passed"
+exit $((failures > 0))

@@ -1,0 +1,553 @@
+/// @file
+/// Running scenes: the same bits whether a run is interrupted or not, files that stay readable whatever
+/// happens, and counters that show that a scene pays for what it names and for nothing else.
+#define BOOST_TEST_MODULE run
+#include "run.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "errors.hpp"
+#include "scene.hpp"
+#include "storage.hpp"
+
+using namespace dpd;
+
+namespace {
+
+/// A scratch directory per test case.
+struct Fixture {
+    Fixture() { std::filesystem::create_directories(directory); }
+    ~Fixture() { std::filesystem::remove_all(directory); }
+    std::filesystem::path const directory =
+        std::filesystem::temp_directory_path() / ("dpdref_run_test." + std::to_string(::getpid()));
+    std::filesystem::path file(std::string const& name) const { return directory / name; }
+};
+
+struct Variant {
+    int dimension;
+    std::string thermostat;
+    double shear_rate;
+    std::string extra = "";  ///< more TOML, at the end
+};
+
+/// A small scene in which every sampler is active.
+Scene scene_of(Variant const& variant, std::uint64_t seed = 1) {
+    bool const euler = variant.thermostat == "euler";
+    std::string text = "dimension = " + std::to_string(variant.dimension) + "\n";
+    text += euler ? "stages = ['euler', 'sample', 'drift', 'kick']\n"
+                  : "stages = ['shardlow', 'sample', 'drift']\n";
+    text += variant.dimension == 2 ? "[box]\nlength = [5.0, 6.0]\n" : "[box]\nlength = [3.0, 4.0, 3.5]\n";
+    text +=
+        "shear_rate = " + std::to_string(variant.shear_rate) + "\n[particles]\ndensity = 2.0\nmass = 1.5\n";
+    text += euler ? "[euler]\ngamma = 1.0\nsigma = 1.4\n" : "[shardlow]\nfriction = 4.0\n";
+    text += R"([time]
+step = 0.05
+equilibration = 0.25
+duration = 2.0
+checkpoint = 1000.0
+[sample]
+interval = 2
+observables = ["kinetic_temperature", "momentum", "stress"]
+[sample.profile]
+bins = 5
+[sample.radial_distribution]
+range = 1.25
+bins = 10
+interval = 3
+[sample.mean_square_displacement]
+longest = 0.6
+spacing = 0.1
+origins = 0.2
+[sample.velocity_autocorrelation]
+longest = 0.5
+origins = 0.15
+)" + variant.extra;
+    return parse_scene(text, "run_test", {}, seed);
+}
+
+std::vector<Variant> variants() {
+    std::vector<Variant> all;
+    for (int const d : {2, 3})
+        for (char const* thermostat : {"shardlow", "euler"})
+            for (double const shear_rate : {0.0, 0.5}) all.push_back({d, thermostat, shear_rate});
+    // sequential updates in a random order, and by brute force
+    all.push_back({3, "shardlow", 0.5, "[pairs]\norder = 'random'\n"});
+    all.push_back({2, "shardlow", 0.0, "[pairs]\nsearch = 'brute'\norder = 'id'\n"});
+    return all;
+}
+
+std::string name_of(Variant const& v) {
+    return std::to_string(v.dimension) + "D " + v.thermostat + " shear " + std::to_string(v.shear_rate) +
+           " " + v.extra;
+}
+
+/// Bitwise equality: NaN equals itself.
+bool same(std::vector<double> const& a, std::vector<double> const& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+template <class Array>
+bool same_array(Array const& a, Array const& b) {
+    return a.rows() == b.rows() && a.cols() == b.cols() &&
+           std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(*a.data())) == 0;
+}
+
+bool same(Record const& a, Record const& b) {
+    if (a.series.size() != b.series.size() || a.curves.size() != b.curves.size()) return false;
+    for (auto const& [name, values] : a.series)
+        if (!b.series.contains(name) || !same(values, b.series.at(name))) return false;
+    for (auto const& [name, curve] : a.curves) {
+        if (!b.curves.contains(name)) return false;
+        auto const& other = b.curves.at(name);
+        if (!same(curve.x, other.x) || !same_array(curve.sum, other.sum) ||
+            !same_array(curve.weight, other.weight))
+            return false;
+    }
+    return true;
+}
+
+bool same(Counters const& a, Counters const& b) {
+    return a.steps == b.steps && a.searches == b.searches && a.pairs_found == b.pairs_found &&
+           a.pair_updates == b.pair_updates && a.potential_evaluations == b.potential_evaluations &&
+           a.random_draws == b.random_draws && a.boundary_pairs == b.boundary_pairs &&
+           a.coincident_pairs == b.coincident_pairs;
+}
+
+/// Every sampler has seen something; else the equality of records says nothing.
+void check_record_is_full(Record const& record) {
+    BOOST_TEST(record.series.size() == 4u);
+    for (auto const& [name, values] : record.series) BOOST_TEST(values.size() == 20u, name);
+    BOOST_TEST(record.curves.size() == 5u);
+    for (auto const& [name, curve] : record.curves) {
+        BOOST_TEST(curve.weight.sum() > 0.0, name);
+        BOOST_TEST(curve.sum.abs().sum() > 0.0, name);
+    }
+}
+
+std::string status_of(std::filesystem::path const& file) {
+    Archive archive(file, Archive::Mode::read);
+    std::string status;
+    archive("dpdref/status", status);
+    return status;
+}
+
+/// Runs one step, or what is left if `stop` is false; true if the run is complete.
+bool run_on(Scene const& scene, std::filesystem::path const& output, bool stop, RunResult* result = nullptr) {
+    std::atomic<bool> const stopping = stop;
+    try {
+        RunResult const finished = run(scene, {.output = output, .stop = &stopping, .progress = {}});
+        if (result) *result = finished;
+        return true;
+    } catch (Interrupted const&) {
+        return false;
+    }
+}
+
+/// Compares the checkpoint in a file with a simulation that has never been near a file.
+template <int d>
+void check_state(Scene const& scene, std::filesystem::path const& file, std::uint64_t steps) {
+    std::unique_ptr<Recorder<d>> recorder;
+    auto simulation = build<d>(scene, [&](Simulation<d>& s) { (*recorder)(s); });
+    recorder = std::make_unique<Recorder<d>>(scene.sample, simulation);
+    for (std::uint64_t s = 0; s < steps; ++s) simulation.advance();
+
+    Archive archive(file, Archive::Mode::read);
+    Particles<d> stored;
+    double time = 0.0;
+    std::uint64_t step = 0;
+    archive("checkpoint/position", stored.position);
+    archive("checkpoint/velocity", stored.velocity);
+    archive("checkpoint/image", stored.image);
+    archive("checkpoint/id", stored.id);
+    archive("checkpoint/time", time);
+    archive("checkpoint/step", step);
+    BOOST_TEST(step == steps);
+    BOOST_TEST(time == simulation.time);
+    BOOST_TEST(same_array(stored.position, simulation.particles.position));
+    BOOST_TEST(same_array(stored.velocity, simulation.particles.velocity));
+    BOOST_TEST(same_array(stored.image, simulation.particles.image));
+    BOOST_TEST(same_array(stored.id, simulation.particles.id));
+}
+
+void check_no_remains(std::filesystem::path const& directory) {
+    for (auto const& entry : std::filesystem::directory_iterator(directory))
+        BOOST_TEST(entry.path().extension() != ".part", entry.path().string());
+}
+
+template <class Error>
+std::string message_of(Scene const& scene, RunOptions const& options) {
+    try {
+        run(scene, options);
+    } catch (Error const& error) {
+        std::string const message = error.what();
+        BOOST_TEST(message.find('\n') == std::string::npos, message);
+        return message;
+    }
+    BOOST_ERROR("the run was expected to fail");
+    return "";
+}
+
+/// MY1997 in two dimensions, at a step beyond its critical one of 0.6.
+Scene unstable_scene() {
+    return parse_scene(R"(dimension = 2
+stages = ["euler", "sample", "drift", "kick"]
+[box]
+length = [20.0, 20.0]
+[particles]
+density = 0.2
+[euler]
+gamma = 1.0
+sigma = 1.0
+cutoff = 4.0
+[time]
+step = 2.0
+duration = 10000.0
+[sample]
+observables = ["kinetic_temperature"]
+)",
+                       "run_test");
+}
+
+}  // namespace
+
+BOOST_FIXTURE_TEST_SUITE(runs, Fixture)
+
+// --- exact resume ----------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(interrupted_after_every_step_gives_the_same_bits) {
+    for (auto const& variant : variants()) BOOST_TEST_CONTEXT(name_of(variant)) {
+            Scene const scene = scene_of(variant);
+            RunResult const whole = run(scene);
+            check_record_is_full(whole.record);
+
+            auto const output = file("stopped.h5");
+            RunResult pieces;
+            std::uint64_t interruptions = 0;
+            while (!run_on(scene, output, true, &pieces)) {
+                ++interruptions;
+                BOOST_TEST(status_of(output) == "interrupted");
+                if (interruptions == 20 || interruptions + 1 == scene.steps()) {
+                    if (variant.dimension == 2)
+                        check_state<2>(scene, output, interruptions);
+                    else
+                        check_state<3>(scene, output, interruptions);
+                }
+            }
+            BOOST_TEST(interruptions == scene.steps() - 1);
+            BOOST_TEST(same(pieces.record, whole.record));
+            BOOST_TEST(same(pieces.counters, whole.counters));
+            BOOST_TEST(!pieces.from_cache);
+            BOOST_TEST(pieces.seconds > 0.0);
+            BOOST_TEST(status_of(output) == "complete");
+            check_no_remains(directory);
+            std::filesystem::remove(output);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(stages_that_leave_pairs_to_the_next_step_resume_exactly) {
+    // nothing moves after the last search of a step, or ever: a resumed run has no pairs yet
+    for (std::string const stages :
+         {"'shardlow', 'sample'", "'shardlow', 'drift', 'euler', 'kick', 'sample'"}) {
+        bool const euler = stages.find("euler") != std::string::npos;
+        Scene const scene = parse_scene(
+            "dimension = 2\nstages = [" + stages +
+                "]\n[box]\nlength = [5, 5]\n[particles]\nnumber = 50\n[shardlow]\nfriction = 3\n" +
+                (euler ? "[euler]\ngamma = 1\nsigma = 1\n" : "") +
+                "[time]\nstep = 0.1\nduration = 4\n[pairs]\norder = 'random'\n"
+                "[sample]\nobservables = ['kinetic_temperature', 'stress']\n",
+            "run_test");
+        RunResult const whole = run(scene);
+        RunResult pieces;
+        while (!run_on(scene, file("stopped.h5"), true, &pieces)) {
+        }
+        BOOST_TEST(same(pieces.record, whole.record), stages);
+        BOOST_TEST(same(pieces.counters, whole.counters), stages);
+        std::filesystem::remove(file("stopped.h5"));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(stopped_by_the_progress_callback_gives_the_same_bits) {
+    Scene const scene = scene_of({3, "shardlow", 0.5, ""});
+    Scene const longer = parse_scene(scene.text, "run_test", {"time.duration=500.0"}, 1);
+    std::atomic<bool> stop = false;
+    double fraction = -1.0;
+    RunOptions const options{.output = file("stopped.h5"), .stop = &stop, .progress = [&](double done) {
+                                 fraction = done;
+                                 stop = true;
+                             }};
+    int interruptions = 0;
+    RunResult result;
+    for (bool complete = false; !complete;) {
+        stop = false;
+        try {
+            result = run(longer, options);
+            complete = true;
+            BOOST_TEST(fraction == 1.0);
+        } catch (Interrupted const& interruption) {
+            ++interruptions;
+            BOOST_TEST(fraction > 0.0);
+            BOOST_TEST(fraction < 1.0);
+            auto const expected =
+                "at step " + std::to_string(std::llround(fraction * double(longer.steps())));
+            BOOST_TEST(std::string(interruption.what()).find(expected) != std::string::npos,
+                       interruption.what());
+        }
+    }
+    BOOST_TEST_MESSAGE(interruptions << " interruptions");
+    BOOST_TEST(interruptions >= 1);
+    RunResult const whole = run(longer);
+    BOOST_TEST(same(result.record, whole.record));
+    BOOST_TEST(same(result.counters, whole.counters));
+}
+
+BOOST_AUTO_TEST_CASE(checkpoints_change_nothing) {
+    Scene const scene = scene_of({2, "euler", 0.5, ""});
+    Scene eager = scene;
+    eager.checkpoint_seconds = 1e-9;  // one after every step
+    RunResult const whole = run(scene),
+                    checkpointed = run(eager, {.output = file("a.h5"), .stop = {}, .progress = {}});
+    BOOST_TEST(same(checkpointed.record, whole.record));
+    BOOST_TEST(same(checkpointed.counters, whole.counters));
+}
+
+// --- seeds -----------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(same_seed_same_bits_another_seed_other_bits) {
+    for (auto const& variant : variants()) BOOST_TEST_CONTEXT(name_of(variant)) {
+            RunResult const first = run(scene_of(variant, 1)), again = run(scene_of(variant, 1)),
+                            other = run(scene_of(variant, 2));
+            BOOST_TEST(same(first.record, again.record));
+            BOOST_TEST(same(first.counters, again.counters));
+            for (auto const& [name, values] : first.record.series)
+                BOOST_TEST(!same(values, other.record.series.at(name)), name);
+            for (auto const& [name, curve] : first.record.curves)
+                BOOST_TEST(!same_array(curve.sum, other.record.curves.at(name).sum), name);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(extreme_seeds_work) {
+    std::uint64_t const largest = ~std::uint64_t{0};
+    std::vector<RunResult> results;
+    for (std::uint64_t const seed : {std::uint64_t{0}, std::uint64_t{1}, largest - 1, largest}) {
+        Scene const scene = scene_of({3, "shardlow", 0.0, ""}, seed);
+        auto const output = file(std::to_string(seed) + ".h5");
+        RunResult result;
+        BOOST_TEST(!run_on(scene, output, true));
+        BOOST_TEST(run_on(scene, output, false, &result));
+        BOOST_TEST(same(result.record, run(scene).record));
+        Archive archive(output, Archive::Mode::read);
+        std::uint64_t stored = 0;
+        archive("dpdref/seed", stored);
+        BOOST_TEST(stored == seed);
+        for (auto const& earlier : results) BOOST_TEST(!same(earlier.record, result.record));
+        results.push_back(result);
+    }
+}
+
+// --- files -----------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(a_completed_file_is_returned_without_running) {
+    Scene const scene = scene_of({3, "shardlow", 0.5, ""});
+    RunOptions const options{.output = file("a.h5"), .stop = {}, .progress = {}};
+    RunResult const first = run(scene, options);
+    auto const written = std::filesystem::last_write_time(file("a.h5"));
+    RunResult const again = run(scene, options);
+    BOOST_TEST(!first.from_cache);
+    BOOST_TEST(again.from_cache);
+    BOOST_TEST((std::filesystem::last_write_time(file("a.h5")) == written));
+    BOOST_TEST(same(first.record, again.record));
+    BOOST_TEST(same(first.counters, again.counters));
+    BOOST_TEST(first.seconds == again.seconds);
+    BOOST_TEST(first.bytes == again.bytes);
+    BOOST_TEST(first.particles == again.particles);
+
+    // the proof that nothing was computed: it returns whatever the file says
+    std::atomic<bool> const stop = true;
+    BOOST_CHECK_NO_THROW(run(scene, {.output = file("a.h5"), .stop = &stop, .progress = {}}));
+
+    auto const quantities = analyze(scene, {again.record});
+    for (char const* name : {"kinetic_temperature", "viscosity", "profile_slope", "pair_density"})
+        BOOST_TEST((find_quantity(quantities, name) != nullptr), name);
+}
+
+BOOST_AUTO_TEST_CASE(a_file_of_another_scene_is_refused_and_kept) {
+    Scene const scene = scene_of({2, "shardlow", 0.0, ""});
+    auto const output = file("a.h5");
+    RunOptions const options{.output = output, .stop = {}, .progress = {}};
+    run(scene, options);
+    auto const size = std::filesystem::file_size(output);
+    for (Scene const& other : {scene_of({2, "shardlow", 0.0, ""}, 2), scene_of({2, "euler", 0.0, ""}),
+                               scene_of({3, "shardlow", 0.0, ""})}) {
+        auto const message = message_of<InputError>(other, options);
+        BOOST_TEST(message.starts_with(output.string() + ": "));
+        BOOST_TEST(message.find("not a result of this scene") != std::string::npos, message);
+    }
+    BOOST_TEST(std::filesystem::file_size(output) == size);
+    BOOST_TEST(run(scene, options).from_cache);
+
+    // neither is a file that is no result at all
+    std::ofstream(file("notes.txt")) << "do not lose me";
+    auto const message =
+        message_of<InputError>(scene, {.output = file("notes.txt"), .stop = {}, .progress = {}});
+    BOOST_TEST(message.starts_with(file("notes.txt").string() + ": "));
+    BOOST_TEST(std::filesystem::file_size(file("notes.txt")) == 14u);
+    check_no_remains(directory);
+}
+
+BOOST_AUTO_TEST_CASE(outputs_that_cannot_be_written_are_refused_before_the_work) {
+    Scene const scene = scene_of({2, "shardlow", 0.0, ""});
+    std::ofstream(file("file")) << "x";
+    for (auto const& output : {file("no/such/directory/a.h5"), directory, file("file/a.h5")}) {
+        auto const message = message_of<InputError>(
+            scene,
+            {.output = output, .stop = {}, .progress = [](double) { BOOST_ERROR("the run has started"); }});
+        BOOST_TEST(message.starts_with(output.string() + ": "), message);
+    }
+    // results and trajectory in one file
+    auto const message =
+        message_of<InputError>(scene_of({2, "shardlow", 0.0, "[trajectory]\ninterval = 5\n"}),
+                               {.output = file("a.h5md"), .stop = {}, .progress = {}});
+    BOOST_TEST(message.find("trajectory") != std::string::npos, message);
+    check_no_remains(directory);
+}
+
+BOOST_AUTO_TEST_CASE(an_interrupted_file_is_readable) {
+    Scene const scene = scene_of({3, "shardlow", 0.5, ""});
+    auto const output = file("a.h5");
+    for (int step = 0; step < 20; ++step) BOOST_TEST(!run_on(scene, output, true));
+    Archive archive(output, Archive::Mode::read);
+    std::string key, text;
+    std::uint64_t steps = 0;
+    std::vector<double> kT;
+    archive("dpdref/key", key);
+    archive("dpdref/scene", text);
+    archive("dpdref/counters/steps", steps);
+    archive("observables/kinetic_temperature/value", kT);
+    BOOST_TEST(key == scene.key());
+    BOOST_TEST(parse_scene(text, "stored", {}, 1).key() == key);  // the provenance suffices to run it again
+    BOOST_TEST(steps == 20u);
+    BOOST_TEST(kT.size() == 8u);  // steps 5, 7, ... 19
+    auto const whole = run(scene).record.series.at("kinetic_temperature");
+    BOOST_TEST(same(kT, {whole.begin(), whole.begin() + 8}));
+}
+
+BOOST_AUTO_TEST_CASE(a_trajectory_survives_interruption) {
+    Scene const scene = scene_of({2, "shardlow", 0.5, "[trajectory]\ninterval = 3\n"});
+    run(scene, {.output = file("whole.h5"), .stop = {}, .progress = {}});
+    while (!run_on(scene, file("pieces.h5"), true)) {
+    }
+    Archive whole(file("whole.h5md"), Archive::Mode::read), pieces(file("pieces.h5md"), Archive::Mode::read);
+    for (char const* name : {"position/value", "velocity/value", "position/time"}) {
+        std::vector<double> a, b;
+        whole(std::string("particles/all/") + name, a);
+        pieces(std::string("particles/all/") + name, b);
+        BOOST_TEST(!a.empty());
+        BOOST_TEST(same(a, b), name);
+    }
+    std::vector<std::uint64_t> steps;
+    pieces("particles/all/position/step", steps);
+    BOOST_TEST(steps.size() == scene.steps() / 3);
+    for (std::size_t k = 0; k < steps.size(); ++k) BOOST_TEST(steps[k] == 3 * (k + 1));
+}
+
+BOOST_AUTO_TEST_CASE(a_killed_run_repeats_its_last_frames) {
+    // the frames after the last checkpoint are written again, not twice
+    Scene const scene = scene_of({2, "shardlow", 0.0, "[trajectory]\ninterval = 1\n"});
+    auto const output = file("a.h5");
+    for (int step = 0; step < 10; ++step) run_on(scene, output, true);
+    std::filesystem::copy_file(output, file("checkpoint"));
+    for (int step = 0; step < 7; ++step) run_on(scene, output, true);
+    std::filesystem::rename(file("checkpoint"), output);
+    BOOST_TEST(run_on(scene, output, false));
+    std::vector<std::uint64_t> steps;
+    Archive(file("a.h5md"), Archive::Mode::read)("particles/all/position/step", steps);
+    BOOST_TEST(steps.size() == scene.steps());
+    for (std::size_t k = 0; k < steps.size(); ++k) BOOST_TEST(steps[k] == k + 1);
+}
+
+// --- divergence ------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(euler_beyond_its_critical_step_diverges_and_says_where) {
+    Scene const scene = unstable_scene();
+    auto const output = file("a.h5");
+    RunOptions const options{.output = output, .stop = {}, .progress = {}};
+    std::string const message = message_of<Diverged>(scene, options);
+    BOOST_TEST(message.starts_with("diverged at step "), message);
+    auto const step = std::stoull(message.substr(std::string("diverged at step ").size()));
+    BOOST_TEST(step > 1u);
+    BOOST_TEST(step < scene.steps());
+    BOOST_TEST(message.find("kinetic temperature") != std::string::npos, message);
+    BOOST_TEST(message.find("time.step") != std::string::npos, message);
+
+    // the file tells the same and holds what was measured before
+    BOOST_TEST(status_of(output) == "diverged: " + message);
+    {
+        Archive archive(output, Archive::Mode::read);
+        std::vector<double> kT;
+        std::uint64_t steps = 0;
+        archive("observables/kinetic_temperature/value", kT);
+        archive("dpdref/counters/steps", steps);
+        BOOST_TEST(steps == step - 1);
+        BOOST_TEST((kT.size() == step || kT.size() == step - 1));
+        BOOST_TEST(kT.front() < 2.0);
+        BOOST_TEST(kT.back() > 1e3);
+        for (double const value : kT) BOOST_TEST(std::isfinite(value));
+    }
+    check_no_remains(directory);
+    // again: the same step, from the beginning; and without a file
+    BOOST_TEST(message_of<Diverged>(scene, options) == message);
+    BOOST_TEST(message_of<Diverged>(scene, {}) == message);
+
+    // below the critical step it does not diverge
+    BOOST_CHECK_NO_THROW(run(parse_scene(scene.text, "run_test", {"time.step=0.1", "time.duration=50"})));
+}
+
+// --- counters --------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(a_scene_pays_for_what_it_names) {
+    for (auto const& variant : variants()) BOOST_TEST_CONTEXT(name_of(variant)) {
+            Scene const scene = scene_of(variant);
+            Counters const counters = run(scene).counters;
+            BOOST_TEST(counters.steps == scene.steps());
+            BOOST_TEST(counters.searches == scene.steps());  // one, shared by all stages of a step
+            BOOST_TEST(counters.pairs_found > 0u);
+            BOOST_TEST(counters.pair_updates == counters.pairs_found);
+            BOOST_TEST(counters.random_draws == counters.pairs_found);
+            BOOST_TEST(counters.potential_evaluations == 0u);  // an ideal gas
+            BOOST_TEST(counters.coincident_pairs == 0u);
+            BOOST_TEST((counters.boundary_pairs > 0) == (variant.shear_rate != 0.0));
+        }
+}
+
+BOOST_AUTO_TEST_CASE(free_flight_costs_nothing_but_the_flight) {
+    for (double const shear_rate : {0.0, 0.5}) {
+        Scene const scene = parse_scene(
+            "dimension = 3\nstages = ['drift']\n[box]\nlength = [4, 4, 4]\nshear_rate = " +
+                std::to_string(shear_rate) + "\n[particles]\nnumber = 50\n[time]\nstep = 0.1\nduration = 5\n",
+            "run_test");
+        RunResult const result = run(scene);
+        BOOST_TEST(result.counters.steps == 50u);
+        BOOST_TEST(result.counters.searches == 0u);
+        BOOST_TEST(result.counters.pairs_found == 0u);
+        BOOST_TEST(result.counters.pair_updates == 0u);
+        BOOST_TEST(result.counters.random_draws == 0u);
+        BOOST_TEST(result.counters.boundary_pairs == 0u);
+        BOOST_TEST(result.counters.potential_evaluations == 0u);
+        BOOST_TEST(result.record.series.empty());
+        BOOST_TEST(result.record.curves.empty());
+        // position, velocity (doubles), image, id (4 bytes): nothing else is held
+        BOOST_TEST(result.bytes == 50u * (6 * 8 + 4 * 4));
+    }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
