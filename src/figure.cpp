@@ -574,7 +574,7 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {
 
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
     std::string csv =
-        "figure,curve,parameter,x,quantity,value,error,theory,theory_value,deviation_percent,z,"
+        "figure,curve,parameter,x,quantity,value,error,relation,theory,theory_value,deviation_percent,z,"
         "tolerance,verdict,seconds,seconds_to_1_percent,more_seconds_to_decide\n";
     Json json = Json::array();
     std::map<Verdict, std::size_t> count;
@@ -597,10 +597,10 @@ bool report(std::vector<Comparison> const& comparisons, std::filesystem::path co
         if (verdict == Verdict::undecided)
             fmt::print("{:>11} {} more would decide\n", "",
                        std::isfinite(more) ? duration_text(more) : "no run time");
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.figure, c.curve,
+        csv += fmt::format("{},\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.figure, c.curve,
                            c.parameter, c.x, c.criterion.quantity, c.estimate.value, c.estimate.error,
-                           c.criterion.theory, c.theory, deviation, z, c.criterion.tolerance,
-                           name_of(verdict), c.seconds, to_one_percent, more);
+                           name_of(c.criterion.relation), c.criterion.theory, c.theory, deviation, z,
+                           c.criterion.tolerance, name_of(verdict), c.seconds, to_one_percent, more);
         Json row = to_json(c);
         row["z"] = z;
         row["verdict"] = name_of(verdict);

@@ -133,9 +133,12 @@ void print_result(dpd::Scene const& scene, dpd::RunResult const& result, bool js
                    counters.coincident_pairs);
 }
 
+// The clone's definitions, or else the installed ones.
 std::filesystem::path default_verification() {
     if (std::filesystem::is_directory("verification")) return "verification";
-    return DPDREF_DATA_DIR "/verification";
+    std::error_code ignored;
+    auto const program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+    return (program.parent_path() / DPDREF_DATA_DIR / "verification").lexically_normal();
 }
 
 int dispatch(int argc, char** argv) {

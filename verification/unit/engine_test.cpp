@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <random>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "simulation.hpp"
 #include "stages.hpp"
 #include "statistics.hpp"
+#include "theory/closed_forms.hpp"
 
 using namespace dpd;
 namespace data = boost::unit_test::data;
@@ -507,6 +509,58 @@ BOOST_AUTO_TEST_CASE(no_friction_changes_nothing) {
     for (Eigen::Index p = 0; p < 648; ++p) row[simulation.particles.id[p]] = p;
     for (std::uint32_t id = 0; id < 648; ++id)
         BOOST_REQUIRE((simulation.particles.velocity.row(row.at(id)) == before.row(id)).all());
+}
+
+// Eqs. 9 and 17 of NG2007 are exact if every partner is a stranger: pairs, directions and distances drawn at
+// random, as many as an ideal gas has. What a simulation with redrawn positions still differs by at long
+// steps is then due to correlations within one step.
+BOOST_AUTO_TEST_CASE(retention_factors_are_exact_for_random_partners) {
+    constexpr std::size_t n = 10'000;
+    constexpr int repetitions = 60;
+    double const density = 3.0, gamma = 9.0, dt = 0.2, correlation = 0.6;
+    theory::Gas const gas{.d = 3, .n = density};
+    theory::Shardlow const thermostat{.gamma = gamma};
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> gauss;
+    std::uniform_real_distribution<double> flat;
+    std::poisson_distribution<int> pair_count(0.5 * double(n) * density * 4.0 * std::numbers::pi / 3.0);
+    std::vector<double> velocity_kept, stress_kept;
+    for (int repetition = 0; repetition < repetitions; ++repetition) {
+        std::vector<Eigen::Vector3d> v(n);
+        for (auto& u : v) {
+            u = {gauss(random), gauss(random), gauss(random)};
+            u[1] = correlation * u[0] + std::sqrt(1.0 - correlation * correlation) * u[1];
+        }
+        auto const before = v;
+        for (int pair = pair_count(random); pair > 0; --pair) {
+            auto const i = static_cast<std::size_t>(flat(random) * n),
+                       j = static_cast<std::size_t>(flat(random) * n);
+            if (i == j) continue;
+            Eigen::Vector3d e(gauss(random), gauss(random), gauss(random));
+            e.normalize();
+            double const w = gamma * (1.0 - std::cbrt(flat(random))), a = shardlow_a(w * dt);
+            double const change =
+                -a * (v[i] - v[j]).dot(e) + shardlow_b(a, 1.0) * std::sqrt(2.0) * gauss(random);
+            v[i] += change * e;
+            v[j] -= change * e;
+        }
+        double product = 0.0, square = 0.0, stress_before = 0.0, stress_after = 0.0;
+        for (std::size_t p = 0; p < n; ++p) {
+            product += v[p][2] * before[p][2];
+            square += before[p][2] * before[p][2];
+            stress_before += before[p][0] * before[p][1];
+            stress_after += v[p][0] * v[p][1];
+        }
+        velocity_kept.push_back(product / square);
+        stress_kept.push_back(stress_after / stress_before);
+    }
+    Estimate const velocity = independent(velocity_kept), stress = independent(stress_kept);
+    BOOST_TEST(std::abs(velocity.value - theory::velocity_retention(gas, thermostat, dt)) <
+               false_alarm_bound * velocity.error);
+    BOOST_TEST(std::abs(stress.value - theory::stress_retention(gas, thermostat, dt)) <
+               false_alarm_bound * stress.error);
+    BOOST_TEST(velocity.error < 0.003);
+    BOOST_TEST(stress.error < 0.005);
 }
 
 // Euler beyond its critical step ends with the step's number, not with NaN.
