@@ -43,6 +43,8 @@ std::map<std::string, std::string> theory_arguments(Scene const& scene) {
         arguments["weight"] = name_of(scene.shardlow.weight);
     }
     if (scene.has_stage("euler")) {
+        // what eq. 22 calls n is, for N particles, (N-1)(N-2)/V^2 over (N-1)/V: theory/MY1997.md
+        arguments["n"] = text((double(scene.particles) - 2.0) / scene.volume());
         arguments["gamma"] = text(scene.euler.gamma);
         arguments["sigma"] = text(scene.euler.sigma);
         arguments["rc"] = text(scene.euler.cutoff);

@@ -51,6 +51,13 @@ void PairSearch<d>::find(Particles<d> const& particles, Box<d> const& box, doubl
 
 namespace {
 
+// Both searches find the pairs across the sheared boundary last.
+template <int d>
+void mark_crossing(PairList<d>& pairs, std::size_t begin) {
+    pairs.crossing.resize(pairs.count - begin);
+    std::iota(pairs.crossing.begin(), pairs.crossing.end(), static_cast<std::uint32_t>(begin));
+}
+
 // To the nearest image in a period.
 inline double nearest(double separation, double period) {
     if (std::abs(separation) <= 0.5 * period) return separation;
@@ -96,8 +103,9 @@ void PairSearch<d>::find_by_brute_force(Particles<d> const& particles, Box<d> co
             }
     };
     pass(false);
-    pairs.boundary = pairs.count;
+    std::size_t const within = pairs.count;
     if (box.sheared()) pass(true);
+    mark_crossing(pairs, within);
 }
 
 template <int d>
@@ -270,41 +278,39 @@ void PairSearch<d>::find_by_cells(Particles<d> const& particles, Box<d> const& b
     };
     for (int y = 0; y < top; ++y) add_layer(y, true, true, false);
     add_layer(top, true, !box.sheared(), false);
-    pairs.boundary = pairs.count;
+    std::size_t const within = pairs.count;
     if (box.sheared()) add_layer(top, false, true, true);
+    mark_crossing(pairs, within);
 }
 
-// Finds each pair of [begin, end) its place: `place[k]` for the k-th one found.
+// Finds each pair its place: place_[k] for the k-th one found.
 template <int d>
-void PairSearch<d>::sort_places(Particles<d> const& particles, NoiseKey key, PairList<d> const& pairs,
-                                std::size_t begin, std::size_t end) {
+void PairSearch<d>::sort_places(Particles<d> const& particles, NoiseKey key, PairList<d> const& pairs) {
     if (order == Order::id) {
         auto const ids = [&](std::size_t k) {
             std::uint32_t const a = particles.id[pairs.i[k]], b = particles.id[pairs.j[k]];
             return std::pair{std::min(a, b), std::max(a, b)};
         };
-        std::vector<std::uint32_t> sorted(end - begin);
-        std::iota(sorted.begin(), sorted.end(), static_cast<std::uint32_t>(begin));
+        std::vector<std::uint32_t> sorted(pairs.count);
+        std::iota(sorted.begin(), sorted.end(), 0u);
         std::sort(sorted.begin(), sorted.end(),
                   [&](std::size_t a, std::size_t b) { return ids(a) < ids(b); });
-        for (std::size_t k = begin; k < end; ++k) place_[sorted[k - begin]] = static_cast<std::uint32_t>(k);
+        for (std::size_t k = 0; k < pairs.count; ++k) place_[sorted[k]] = static_cast<std::uint32_t>(k);
         return;
     }
     // A counting sort by random buckets; the few pairs that share one stay in the order in which they were
     // found. The low bits of a normal variate are uniform.
     constexpr std::uint32_t buckets = 1u << 16;
-    pair_normals(key, std::span(pairs.i).subspan(begin, end - begin),
-                 std::span(pairs.j).subspan(begin, end - begin), particles.id.data(),
-                 std::span(scratch_).subspan(begin, end - begin));
+    pair_normals(key, {pairs.i.data(), pairs.count}, {pairs.j.data(), pairs.count}, particles.id.data(),
+                 {scratch_.data(), pairs.count});
     auto const bucket = [&](std::size_t k) {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>((scratch_[k] + 16.0) * 0x1p40)) %
                buckets;
     };
     bucket_begin_.assign(buckets + 1, 0);
-    for (std::size_t k = begin; k < end; ++k) ++bucket_begin_[bucket(k) + 1];
-    bucket_begin_[0] = static_cast<std::uint32_t>(begin);
+    for (std::size_t k = 0; k < pairs.count; ++k) ++bucket_begin_[bucket(k) + 1];
     std::partial_sum(bucket_begin_.begin(), bucket_begin_.end(), bucket_begin_.begin());
-    for (std::size_t k = begin; k < end; ++k) place_[k] = bucket_begin_[bucket(k)]++;
+    for (std::size_t k = 0; k < pairs.count; ++k) place_[k] = bucket_begin_[bucket(k)]++;
 }
 
 template <int d>
@@ -312,8 +318,7 @@ void PairSearch<d>::reorder(Particles<d> const& particles, NoiseKey key, PairLis
     place_.resize(pairs.count);
     scratch_.resize(pairs.distance.size());
     scratch_rows_.resize(pairs.i.size());
-    sort_places(particles, key, pairs, 0, pairs.boundary);
-    sort_places(particles, key, pairs, pairs.boundary, pairs.count);
+    sort_places(particles, key, pairs);
     auto const permute = [&](auto& values, auto& scratch) {
         for (std::size_t k = 0; k < pairs.count; ++k) scratch[place_[k]] = values[k];
         values.swap(scratch);
@@ -322,12 +327,18 @@ void PairSearch<d>::reorder(Particles<d> const& particles, NoiseKey key, PairLis
     permute(pairs.j, scratch_rows_);
     permute(pairs.distance, scratch_);
     for (auto& component : pairs.unit) permute(component, scratch_);
+    for (auto& k : pairs.crossing) k = place_[k];
+    std::sort(pairs.crossing.begin(), pairs.crossing.end());
     if (order != Order::id) return;
     // the pair's orientation, too, must not depend on the search; across a sheared boundary it is fixed
-    for (std::size_t k = 0; k < pairs.boundary; ++k) {
-        if (particles.id[pairs.i[k]] < particles.id[pairs.j[k]]) continue;
-        std::swap(pairs.i[k], pairs.j[k]);
-        for (auto& component : pairs.unit) component[k] = -component[k];
+    auto crossing = pairs.crossing.begin();
+    for (std::size_t k = 0; k < pairs.count; ++k) {
+        if (crossing != pairs.crossing.end() && *crossing == k)
+            ++crossing;
+        else if (particles.id[pairs.i[k]] > particles.id[pairs.j[k]]) {
+            std::swap(pairs.i[k], pairs.j[k]);
+            for (auto& component : pairs.unit) component[k] = -component[k];
+        }
     }
 }
 

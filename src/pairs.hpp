@@ -15,19 +15,22 @@
 
 namespace dpd {
 
-/// Pairs closer than the cutoff, each once. Pairs from `boundary` on cross the upper Lees-Edwards boundary:
+/// Pairs closer than the cutoff, each once. The pairs `crossing` go across the upper Lees-Edwards boundary:
 /// their j stands for an image that moves at +image_speed along x. Arrays may be longer than `count`.
 template <int d>
 struct PairList {
     std::size_t count = 0;
-    std::size_t boundary = 0;
+    std::vector<std::uint32_t> crossing;      ///< which ones, ascending; empty without shear
     std::size_t coincident = 0;               ///< pairs at r = 0: no direction, so no interaction
     std::vector<std::uint32_t> i, j;          ///< rows of the particle state
     std::array<std::vector<double>, d> unit;  ///< (r_i - r_j)/r
     std::vector<double> distance;             ///< r, in (0, cutoff)
     std::vector<double> impulse;              ///< change of i's velocity along `unit` in the last pair update
 
-    void clear() { count = boundary = coincident = 0; }
+    void clear() {
+        count = coincident = 0;
+        crossing.clear();
+    }
     void grow_to(std::size_t size);
     std::size_t bytes() const;
 };
@@ -81,7 +84,7 @@ private:
     void separate(Particles<d> const&, simd::Geometry<d> const&, std::size_t begin, PairList<d>&) const;
     simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;
     void reorder(Particles<d> const&, NoiseKey, PairList<d>&);
-    void sort_places(Particles<d> const&, NoiseKey, PairList<d> const&, std::size_t begin, std::size_t end);
+    void sort_places(Particles<d> const&, NoiseKey, PairList<d> const&);
     int row_begin(int y, int x) const;
     std::size_t cell_of(Entry const& entry) const {
         return static_cast<std::size_t>(row_begin(entry.cell[1], entry.cell[0]) + entry.cell[contiguous] +

@@ -20,7 +20,7 @@ PairList<d>& Simulation<d>::pairs() {
     pair_search.find(particles, box, time, {seed, step, stream_order}, pairs_);
     pairs_valid_ = true;
     counters.pairs_found += pairs_.count;
-    counters.boundary_pairs += pairs_.count - pairs_.boundary;
+    counters.boundary_pairs += pairs_.crossing.size();
     counters.coincident_pairs += pairs_.coincident;
     return pairs_;
 }

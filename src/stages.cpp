@@ -20,9 +20,13 @@ double* draw_pair_noise(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey 
 // at compile time, except across a sheared boundary.
 template <int d, class Visit>
 void for_each_pair(PairList<d> const& pairs, Box<d> const& box, Visit&& visit) {
-    for (std::size_t k = 0; k < pairs.boundary; ++k) visit(k, std::integral_constant<int, 0>{});
     double const speed = box.image_speed();
-    for (std::size_t k = pairs.boundary; k < pairs.count; ++k) visit(k, speed);
+    std::size_t k = 0;
+    for (std::size_t const crossing : pairs.crossing) {
+        for (; k < crossing; ++k) visit(k, std::integral_constant<int, 0>{});
+        visit(k++, speed);
+    }
+    for (; k < pairs.count; ++k) visit(k, std::integral_constant<int, 0>{});
 }
 
 // v_ij . e_ij
