@@ -8,7 +8,7 @@ part(n, kind, q) = "n=".word(names, n).kind.":".q
 @upper
 set xrange [0:1.02]; set yrange [0:2.05]
 set ylabel "inverse temperature 1/k_BT" offset 0.5,0
-set key top right
+set key top right samplen 1 width -2
 plot for [n=1:4] lines index part(n, "", q) using 1:(1/$2) with lines lw 2 lc rgb colour[n] notitle, \
      for [n=1:4] lines index part(n, "", frozen) using 1:(1/$2) with lines lw 1.5 dt 3 lc rgb colour[n] notitle, \
      for [n=1:4] data index part(n, "", q) using 1:(1/$2):($3/$2**2) with yerrorbars pt 7 ps 1 lw 1.5 lc rgb colour[n] title "n = ".word(names, n), \

@@ -4,7 +4,7 @@ q = ":green_kubo_diffusion_constant:ng17"
 
 @upper
 set logscale xy
-set xrange [0.008:1.3]; set yrange [0.09:0.8]
+set xrange [0.008:1.3]; set yrange [0.09:0.9]; set ytics (0.1, 0.2, 0.3, 0.5, 0.8)
 set ylabel "diffusion constant D*" offset 0.5,0
 set key top left
 plot lines index msd using 1:2 with lines lw 2 lc rgb blue title "eq. 17", \
@@ -13,7 +13,7 @@ plot lines index msd using 1:2 with lines lw 2 lc rgb blue title "eq. 17", \
      data index "chaos, long step".q using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red notitle
 @lower
 set xlabel "time step {/Symbol D}t*" offset 0,0.4
-set yrange [-10:80]
+set yrange [-10:100]; set ytics auto
 unset key
 plot 0 with lines lw 2 lc rgb grey, \
      data index msd using 1:(100*$5):(100*$6) with yerrorbars pt 7 lw 1.5 lc rgb blue, \

@@ -7,7 +7,7 @@ part(n, q) = word(names, n).q
 
 @upper
 set logscale xy
-set xrange [0.9:11]; set yrange [0.01:10]
+set xrange [0.9:11]; set yrange [0.0012:12]
 set ylabel "viscosity {/Symbol h}*" offset 0.5,0
 set key bottom right maxrows 2
 plot for [n=1:2] lines index part(n, kin) using 1:2 with lines lw 2 lc rgb colour_kin[n] notitle, \
