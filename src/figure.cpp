@@ -565,8 +565,8 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {
     std::sort(files.begin(), files.end());
     for (auto const& file : files) {
         try {
-            for (auto const& json : Json::parse(read_file(file)).at("comparisons"))
-                comparisons.push_back(from_json(json));
+            Json const content = Json::parse(read_file(file));
+            for (auto const& json : content.at("comparisons")) comparisons.push_back(from_json(json));
         } catch (Json::exception const& error) {
             throw InputError(fmt::format("{}: {}", file.string(), error.what()));
         }

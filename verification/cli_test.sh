@@ -231,5 +231,57 @@ no_remains SIGKILL
 expect 2 figures "dpdref figure" -- report
 expect 2 nothing -- report --figures nothing
 
+# --- figure: one of two points, then from the cache, then the report; a figure needs gnuplot -------------
+expect 2 nosuch -- figure nosuch --verification .
+if command -v gnuplot >/dev/null; then
+    mkdir -p definitions/tiny
+    : >definitions/style.gp
+    echo 'plot data index "gas:kinetic_temperature:value" using 1:2:3 with yerrorbars' >definitions/tiny/plot.gp
+    cat >definitions/tiny/figure.toml <<'TOML'
+paper = "none"
+figure = "0"
+title = "temperature"
+caption = "a test"
+[scene]
+dimension = 2
+stages = ["shardlow", "sample", "drift"]
+box.length = [5.0, 5.0]
+particles.density = 3.0
+shardlow.friction = 1.0
+time = { step = 0.1, duration = 20.0 }
+sample.observables = ["kinetic_temperature"]
+[budget.quick]
+seeds = 2
+[budget.paper]
+seeds = 3
+[[curve]]
+name = "gas"
+vary = "time.step"
+values = [0.1, 0.5]
+paper_only = [0.5]
+[[curve.compare]]
+quantity = "kinetic_temperature"
+theory = "value"
+value = 1.0
+tolerance = 0.9
+TOML
+    tiny=(figure tiny --verification definitions --cache cache --out tiny --jobs 2)
+    expect 0 -- "${tiny[@]}"
+    grep -q '^1 comparisons: 1 agree' out || fail "figure: $(tail -1 out)"
+    check "figure: no picture" test -s tiny/tiny.svg -a -s tiny/tiny.png
+    [ "$(ls cache | wc -l)" -eq 2 ] || fail "figure: not two runs in the cache"
+    cp tiny/data/tiny.dat first.dat
+    touch -d 2000-01-01 cache/*
+    expect 0 -- "${tiny[@]}"
+    [ -z "$(find cache -newermt 2001-01-01 -name '*.h5')" ] || fail "figure: ran again what the cache holds"
+    check "figure: other numbers from the cache" cmp first.dat tiny/data/tiny.dat
+    expect 0 -- report --figures tiny
+    grep -q '^1 comparisons: 1 agree' out || fail "report: $(tail -1 out)"
+    check "report: no table" test -s tiny/report.csv -a -s tiny/report.json
+    sed -i 's/value = 1.0/value = 3.0/; s/0.9/0.1/' definitions/tiny/figure.toml
+    call "${tiny[@]}"
+    [ "$code" -eq 1 ] || fail "figure: exit code $code for a comparison that disagrees, expected 1"
+fi
+
 [ "$failures" -eq 0 ] && echo "all checks passed"
 exit $((failures > 0))
