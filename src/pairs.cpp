@@ -150,16 +150,15 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     for (int axis = 0; axis < d; ++axis)
         cells_[axis] = static_cast<int>(box.length[axis] / std::min(width, box.length[axis] / 2.0) *
                                         (axis == contiguous ? reach : 1));
-    entries_.clear();
+    entries_.resize(static_cast<std::size_t>(particles.size()));
     for (Eigen::Index p = 0; p < particles.size(); ++p) {
-        Entry entry;
+        Entry& entry = entries_[static_cast<std::size_t>(p)];
         entry.row = static_cast<std::uint32_t>(p);
         for (int axis = 0; axis < d; ++axis) {
             entry.position[axis] = particles.position(p, axis);
             entry.cell[axis] = std::min(
                 static_cast<int>(entry.position[axis] * cells_[axis] / box.length[axis]), cells_[axis] - 1);
         }
-        entries_.push_back(entry);
     }
     add_images(box, time);
 
