@@ -41,6 +41,12 @@ std::map<std::string, std::string> theory_arguments(Scene const& scene) {
         arguments["rc"] = text(scene.shardlow.cutoff);
         arguments["kT"] = text(scene.shardlow.kT);
         arguments["weight"] = name_of(scene.shardlow.weight);
+        arguments["scheme"] = name_of(scene.shardlow.scheme);
+    }
+    if (scene.has_stage("lowe")) {
+        arguments["Gamma"] = text(scene.lowe.rate);
+        arguments["rc"] = text(scene.lowe.cutoff);
+        arguments["kT"] = text(scene.lowe.kT);
     }
     if (scene.has_stage("euler")) {
         // what eq. 22 calls n is, for N particles, (N-1)(N-2)/V^2 over (N-1)/V: theory/MY1997.md
@@ -56,7 +62,7 @@ std::map<std::string, std::string> theory_arguments(Scene const& scene) {
 
 // --- definition ------------------------------------------------------------------------------------------
 
-constexpr std::array<std::string_view, 3> relation_names{"equal", "at_most", "at_least"};
+constexpr std::array<std::string_view, 4> relation_names{"equal", "at_most", "at_least", "differs"};
 
 Relation relation_from_name(std::string_view name) {
     return static_cast<Relation>(std::find(relation_names.begin(), relation_names.end(), name) -
@@ -77,9 +83,12 @@ std::vector<Criterion> read_criteria(TomlReader& reader) {
         criterion.resolution = table.number("resolution", 0.01, positive);
         table.finish();
         bool const known = criterion.theory == "value" || criterion.theory.starts_with("curve:") ||
+                           criterion.theory.starts_with("quantity:") ||
                            theory::find(criterion.theory) != nullptr;
         if (!known)
-            table.fail("theory", "is no closed form; allowed: an id of `dpdref theory`, curve:NAME, value");
+            table.fail(
+                "theory",
+                "is no closed form; allowed: an id of `dpdref theory`, curve:NAME, quantity:NAME, value");
         criteria.push_back(criterion);
     }
     return criteria;
@@ -105,20 +114,20 @@ void apply(toml::table& scene, toml::table const& settings, std::optional<std::s
 // Rough cost of a run, in pair and particle visits: good enough to start the longest first and to tell the
 // time that is left.
 double cost_of(Scene const& scene) {
-    double cutoff = 0.0;
-    if (scene.has_stage("shardlow")) cutoff = scene.shardlow.cutoff;
-    if (scene.has_stage("euler")) cutoff = std::max(cutoff, scene.euler.cutoff);
     double const ball = scene.dimension == 2 ? std::numbers::pi : 4.0 * std::numbers::pi / 3.0;
-    double const pairs = 0.5 * scene.density() * ball * std::pow(cutoff, scene.dimension);
-    return double(scene.steps()) * double(scene.particles) * (4.0 + pairs);
+    double const pairs = 0.5 * scene.density() * ball * std::pow(scene.cutoff(), scene.dimension);
+    double const substeps = scene.has_stage("verlet") ? double(scene.substeps) : 1.0;
+    return double(scene.steps()) * substeps * double(scene.particles) * (4.0 + pairs);
 }
 
 }  // namespace
 
-double theory_for(Scene const& scene, std::string const& id) {
+double theory_for(Scene const& scene, std::string const& id, std::optional<double> time) {
     theory::ClosedForm const& form = *theory::find(id);
     std::vector<std::pair<std::string, std::string>> given;
-    for (auto const& [name, text] : theory_arguments(scene)) {
+    auto arguments = theory_arguments(scene);
+    if (time) arguments["t"] = fmt::format("{}", *time);
+    for (auto const& [name, text] : arguments) {
         auto const takes = [&](auto const& names) {
             return std::find(names.begin(), names.end(), name) != names.end();
         };
@@ -179,8 +188,19 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         FigureCurve curve;
         curve.name = table.text("name", std::nullopt);
         curve.label = table.text("label", curve.name);
-        curve.parameter = table.text("vary", std::nullopt);
-        auto const values = table.numbers("values", std::nullopt, any_number);
+        curve.record = table.text("record", "");
+        curve.join = table.text("join", "");
+        bool const varies = curve.record.empty();
+        curve.parameter = table.text("vary", varies ? std::nullopt : std::optional<std::string>(""));
+        std::optional<std::vector<double>> const single = std::vector<double>{0.0};
+        auto const values = table.numbers("values", varies ? std::nullopt : single, any_number);
+        if (!varies) {
+            if (!curve.parameter.empty())
+                table.fail("vary", "a record has its own x; allowed: only one of them");
+            curve.from = table.number("from", curve.from, any_number);
+            curve.to = table.number("to", curve.to, any_number);
+            curve.every = table.integer("every", 1, positive_integer);
+        }
         auto const settings = table.table("set"), along = table.table("along");
         std::vector<double> const skip = table.numbers("paper_only", std::vector<double>{}, any_number);
         curve.line = table.numbers("line", std::vector<double>{}, any_number);
@@ -194,7 +214,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
             apply(scene, budget_settings, std::nullopt, path.string());
             if (settings) apply(scene, settings->raw(), std::nullopt, path.string());
             if (along) apply(scene, along->raw(), v, path.string());
-            override_key(scene, fmt::format("{}={}", curve.parameter, values[v]), path.string());
+            if (varies) override_key(scene, fmt::format("{}={}", curve.parameter, values[v]), path.string());
             if (auto* const duration = scene.at_path("time.duration").node())
                 if (auto const time = duration->value<double>())
                     override_key(scene, fmt::format("time.duration={}", *time * duration_scale),
@@ -216,6 +236,49 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
     root.finish();
     return figure;
 }
+
+namespace {
+
+// A measured curve as points, one per bin that is asked for.
+void append_bins(std::vector<Point>& points, FigureCurve const& curve, Point const& run,
+                 std::vector<Record> const& records) {
+    auto const [x, y] = curve_of(run.runs.front(), records, curve.record);
+    std::vector<std::size_t> bins;
+    for (std::size_t bin = 0; bin < x.size(); bin += curve.every)
+        if (x[bin] >= curve.from && x[bin] <= curve.to && y[bin].blocks > 0) bins.push_back(bin);
+    for (std::size_t const bin : bins) {
+        Point point = run;
+        point.x = x[bin];
+        point.quantities.push_back({curve.record, y[bin]});
+        point.seconds = run.seconds / double(bins.size());
+        points.push_back(std::move(point));
+    }
+}
+
+// The points of a curve at x; its only point, if it has one, stands for all x.
+std::vector<Point const*> points_of(std::string const& name, std::vector<FigureCurve> const& curves,
+                                    std::vector<Point> const& points, double x) {
+    std::vector<Point const*> found;
+    for (auto const& point : points)
+        if (!name.empty() && curves[point.curve].name == name) found.push_back(&point);
+    if (found.size() > 1) std::erase_if(found, [x](Point const* point) { return point->x != x; });
+    return found;
+}
+
+// Adds the quantities of the joined curve's point at the same x (or of its only one) that the point lacks.
+void join(std::string const& name, std::vector<FigureCurve> const& curves, std::vector<Point> const& points,
+          Point& point) {
+    for (Point const* const partner : points_of(name, curves, points, point.x)) {
+        for (auto const& quantity : partner->quantities)
+            if (!find_quantity(point.quantities, quantity.name)) point.quantities.push_back(quantity);
+        point.seconds += partner->seconds;
+    }
+    derive(point.runs.front(), point.quantities);
+    if (curves[point.curve].record == "velocity_autocorrelation")
+        derive_at_lag(point.runs.front(), point.quantities, point.x);
+}
+
+}  // namespace
 
 void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     struct Job {
@@ -276,8 +339,19 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     if (failure) std::rethrow_exception(failure);
     if (options.stop && *options.stop)
         throw Interrupted("interrupted; finished runs are kept, run the command again to go on");
-    for (auto& figure : figures)
-        for (auto& point : figure.points) point.quantities = analyze(point.runs.front(), records[&point]);
+    for (auto& figure : figures) {
+        std::vector<Point> points;
+        for (auto& point : figure.points) {
+            point.quantities = analyze(point.runs.front(), records[&point]);
+            auto const& curve = figure.curves[point.curve];
+            if (curve.record.empty())
+                points.push_back(point);
+            else
+                append_bins(points, curve, point, records[&point]);
+        }
+        for (auto& point : points) join(figure.curves[point.curve].join, figure.curves, points, point);
+        figure.points = std::move(points);
+    }
 }
 
 std::vector<Comparison> compare(Figure const& figure) {
@@ -298,20 +372,25 @@ std::vector<Comparison> compare(Figure const& figure) {
             if (criterion.theory == "value") {
                 comparison.theory = criterion.value;
             } else if (criterion.theory.starts_with("curve:")) {
-                auto const other =
-                    std::find_if(figure.points.begin(), figure.points.end(), [&](Point const& p) {
-                        return "curve:" + figure.curves[p.curve].name == criterion.theory && p.x == point.x;
-                    });
-                Quantity const* const reference = other == figure.points.end()
-                                                      ? nullptr
-                                                      : find_quantity(other->quantities, criterion.quantity);
+                auto const others =
+                    points_of(criterion.theory.substr(6), figure.curves, figure.points, point.x);
+                Quantity const* const reference =
+                    others.empty() ? nullptr : find_quantity(others.front()->quantities, criterion.quantity);
                 if (!reference)
                     throw InputError(fmt::format("figure {}, curve {}: {} has no {} at {}", figure.id,
                                                  curve.name, criterion.theory, criterion.quantity, point.x));
                 comparison.theory = reference->estimate.value;
                 comparison.theory_error = reference->estimate.error;
+            } else if (criterion.theory.starts_with("quantity:")) {
+                Quantity const* const reference =
+                    find_quantity(point.quantities, std::string_view(criterion.theory).substr(9));
+                if (!reference)
+                    throw InputError(fmt::format("figure {}, curve {}: no {} at {}", figure.id, curve.name,
+                                                 criterion.theory, point.x));
+                comparison.theory = reference->estimate.value;
+                comparison.theory_error = reference->estimate.error;
             } else {
-                comparison.theory = theory_for(point.runs.front(), criterion.theory);
+                comparison.theory = theory_for(point.runs.front(), criterion.theory, point.x);
             }
             comparisons.push_back(std::move(comparison));
         }
@@ -346,6 +425,13 @@ double false_alarm_of_one(std::size_t family) {
 Verdict judge(Comparison const& comparison, std::size_t family) {
     auto const& criterion = comparison.criterion;
     double const false_alarm = false_alarm_of_one(family);
+    if (criterion.relation == Relation::differs) {
+        Verdict const same =
+            judge(against_theory(comparison), comparison.theory, criterion.tolerance, 0.0, false_alarm);
+        return same == Verdict::disagrees ? Verdict::agrees
+               : same == Verdict::agrees  ? Verdict::disagrees
+                                          : Verdict::undecided;
+    }
     if (criterion.relation != Relation::equal) {
         double const clear = clearance(comparison, false_alarm);
         if (clear > 1.0) return Verdict::agrees;
@@ -364,7 +450,7 @@ double seconds_to_decide(Comparison const& comparison, std::size_t family) {
     double factor = time_factor_to_decide(against_theory(comparison), comparison.theory, criterion.tolerance,
                                           criterion.resolution, false_alarm);
     // a bound is also decided once the value clears it
-    if (criterion.relation != Relation::equal)
+    if (criterion.relation == Relation::at_most || criterion.relation == Relation::at_least)
         factor = std::min(factor, std::pow(clearance(comparison, false_alarm), -2));
     return comparison.seconds * (factor - 1.0);
 }
@@ -452,7 +538,7 @@ std::string theory_lines(Figure const& figure) {
         if (!base || !(low < high)) continue;
         bool const logarithmic = low > 0.0 && high / low > logarithmic_from;
         for (auto const& criterion : curve.criteria) {
-            if (theory::find(criterion.theory) == nullptr) continue;
+            if (theory::find(criterion.theory) == nullptr || !curve.record.empty()) continue;
             text += fmt::format("# {}\n", part_name(curve.name, criterion));
             for (int s = 0; s <= samples; ++s) {
                 double const t = double(s) / samples;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -20,12 +21,13 @@ enum class Relation {
     equal,
     at_most,   ///< the theory is an upper bound
     at_least,  ///< the theory is a lower bound
+    differs,   ///< by more than the tolerance
 };
 
 /// What a measured quantity is held against.
 struct Criterion {
     std::string quantity;  ///< as `analyze` names it
-    std::string theory;    ///< id of a closed form; "curve:NAME"; or "value" with `value`
+    std::string theory;    ///< id of a closed form; "curve:NAME"; "quantity:NAME"; or "value" with `value`
     double value = 0.0;
     Relation relation = Relation::equal;
     double tolerance = 0.0;    ///< 0: exact; else how far the theory may be off, relative
@@ -65,7 +67,11 @@ struct Point {
 struct FigureCurve {
     std::string name, label, parameter;
     std::vector<Criterion> criteria;
-    std::vector<double> line;  ///< range of the theory line; empty: the points'
+    std::vector<double> line;          ///< range of the theory line; empty: the points'
+    std::string join;                  ///< name of a curve whose quantities are added at the same x
+    std::string record;                ///< what is drawn is this measured curve, over its own x
+    double from = 0.0, to = INFINITY;  ///< of the measured curve
+    std::uint64_t every = 1;           ///< one in so many of its bins
 };
 
 struct Figure {
@@ -105,7 +111,7 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output);
 /// Prints the table of comparisons and writes report.csv and report.json to `output`. True if none disagrees.
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
 
-/// Value of a closed form for the parameters of a scene.
-double theory_for(Scene const& scene, std::string const& id);
+/// Value of a closed form for the parameters of a scene, at a time where the form has one.
+double theory_for(Scene const& scene, std::string const& id, std::optional<double> time = {});
 
 }  // namespace dpd

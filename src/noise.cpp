@@ -17,6 +17,17 @@
 //
 #include <hwy/highway.h>
 
+#ifndef DPDREF_NOISE_COUNTER
+#define DPDREF_NOISE_COUNTER
+namespace dpd {
+// The last word of a counter; the first three are the pair and the lower half of the step.
+inline std::uint32_t upper_word(NoiseKey key) {
+    return static_cast<std::uint32_t>(key.step >> 32) | std::uint32_t{key.sweep} << 16 |
+           std::uint32_t{key.stream} << 24;
+}
+}  // namespace dpd
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace dpd::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -124,13 +135,15 @@ HWY_INLINE void philox(B bits, std::array<std::array<hn::Vec<B>, 4>, streams>& c
     }
 }
 
-void normals(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::uint32_t const* id,
-             double* out, std::size_t count) {
+// out[k] = variate(d, random bits of the pair {id[i[k]], id[j[k]]})
+template <class Variate>
+HWY_INLINE void draw(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::uint32_t const* id,
+                     double* out, std::size_t count, Variate variate_of) {
     hn::ScalableTag<double> const d;
     hn::RebindToUnsigned<decltype(d)> const bits;
     constexpr std::size_t width = hn::MaxLanes(d), block = 128;
     auto const step = hn::Set(bits, key.step & 0xffffffffu);
-    auto const stream = hn::Set(bits, key.step >> 32 | std::uint64_t{key.stream} << 24);
+    auto const stream = hn::Set(bits, std::uint64_t{upper_word(key)});
     alignas(64) std::array<std::uint64_t, block> first{}, second{};
     alignas(64) std::array<double, block> variate;
     for (std::size_t begin = 0; begin < count; begin += block) {
@@ -146,11 +159,22 @@ void normals(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::
             };
             std::array x{counter(k), counter(k + width)};
             philox(bits, x, key.seed);
-            hn::Store(box_muller(d, x[0]), d, &variate[k]);
-            hn::Store(box_muller(d, x[1]), d, &variate[k + width]);
+            hn::Store(variate_of(d, x[0]), d, &variate[k]);
+            hn::Store(variate_of(d, x[1]), d, &variate[k + width]);
         }
         std::copy_n(variate.begin(), size, out + begin);
     }
+}
+
+void normals(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::uint32_t const* id,
+             double* out, std::size_t count) {
+    draw(key, i, j, id, out, count, [](auto d, auto const& x) HWY_ATTR { return box_muller(d, x); });
+}
+
+void uniforms(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::uint32_t const* id,
+              double* out, std::size_t count) {
+    draw(key, i, j, id, out, count,
+         [](auto d, auto const& x) HWY_ATTR { return hn::Sub(one_to_two(d, x[0], x[1]), hn::Set(d, 1.0)); });
 }
 
 // The same for the bits of one variate.
@@ -169,11 +193,10 @@ namespace dpd {
 namespace {
 
 HWY_EXPORT(normals);
+HWY_EXPORT(uniforms);
 
 std::array<std::uint32_t, 4> random_bits(NoiseKey key, std::uint32_t a, std::uint32_t b) {
-    r123::Philox4x32::ctr_type const counter{
-        {a, b, static_cast<std::uint32_t>(key.step),
-         static_cast<std::uint32_t>(key.step >> 32) | (std::uint32_t{key.stream} << 24)}};
+    r123::Philox4x32::ctr_type const counter{{a, b, static_cast<std::uint32_t>(key.step), upper_word(key)}};
     r123::Philox4x32::key_type const seed{
         {static_cast<std::uint32_t>(key.seed), static_cast<std::uint32_t>(key.seed >> 32)}};
     auto const bits = r123::Philox4x32{}(counter, seed);
@@ -194,6 +217,11 @@ double uniform(NoiseKey key, std::uint32_t a, std::uint32_t b) {
 void pair_normals(NoiseKey key, std::span<std::uint32_t const> i, std::span<std::uint32_t const> j,
                   std::uint32_t const* id, std::span<double> out) {
     HWY_DYNAMIC_DISPATCH(normals)(key, i.data(), j.data(), id, out.data(), out.size());
+}
+
+void pair_uniforms(NoiseKey key, std::span<std::uint32_t const> i, std::span<std::uint32_t const> j,
+                   std::uint32_t const* id, std::span<double> out) {
+    HWY_DYNAMIC_DISPATCH(uniforms)(key, i.data(), j.data(), id, out.data(), out.size());
 }
 
 }  // namespace dpd

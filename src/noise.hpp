@@ -7,11 +7,13 @@
 
 namespace dpd {
 
-/// Which noise: `stream` separates the stages of one step that draw (their place in the stage list).
+/// Which noise: `stream` separates the stages of one step that draw (their place in the stage list), `sweep`
+/// the draws of one stage.
 struct NoiseKey {
     std::uint64_t seed = 0;
-    std::uint64_t step = 0;  ///< below 2^56
+    std::uint64_t step = 0;  ///< below 2^48
     std::uint8_t stream = 0;
+    std::uint8_t sweep = 0;
 };
 
 /// Streams outside any stage list.
@@ -27,5 +29,9 @@ double uniform(NoiseKey key, std::uint32_t a, std::uint32_t b);
 /// out[k] = normal of the unordered pair {id[i[k]], id[j[k]]}; all spans of i, j, out have one length.
 void pair_normals(NoiseKey key, std::span<std::uint32_t const> i, std::span<std::uint32_t const> j,
                   std::uint32_t const* id, std::span<double> out);
+
+/// The same with a uniform of [0, 1).
+void pair_uniforms(NoiseKey key, std::span<std::uint32_t const> i, std::span<std::uint32_t const> j,
+                   std::uint32_t const* id, std::span<double> out);
 
 }  // namespace dpd

@@ -26,9 +26,11 @@ struct PairList {
     std::array<std::vector<double>, d> unit;  ///< (r_i - r_j)/r
     std::vector<double> distance;             ///< r, in (0, cutoff)
     std::vector<double> impulse;              ///< change of i's velocity along `unit` in the last pair update
+    bool updated = false;                     ///< there was one
 
     void clear() {
         count = coincident = 0;
+        updated = false;
         crossing.clear();
     }
     void grow_to(std::size_t size);

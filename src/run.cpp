@@ -8,6 +8,7 @@
 
 #include "stages.hpp"
 #include "storage.hpp"
+#include "theory/closed_forms.hpp"
 #include "version.hpp"
 
 namespace dpd {
@@ -22,9 +23,31 @@ Stage<d> make_stage(Scene const& scene, std::string const& name,
                     std::function<void(Simulation<d>&)> const& sample) {
     if (name == "shardlow") {
         auto const& p = scene.shardlow;
-        return {name,
-                Shardlow<d>{.friction = p.friction, .weight = p.weight, .cutoff = p.cutoff, .kT = p.kT}};
+        return {name, Shardlow<d>{.friction = p.friction,
+                                  .weight = p.weight,
+                                  .scheme = p.scheme,
+                                  .cutoff = p.cutoff,
+                                  .kT = p.kT}};
     }
+    if (name == "lowe") {
+        auto const& p = scene.lowe;
+        return {name, Lowe<d>{.rate = p.rate, .cutoff = p.cutoff, .kT = p.kT}};
+    }
+    if (name == "rescale") {
+        auto const& p = scene.rescale;
+        Rescale<d> rescale;
+        rescale.mode = p.mode;
+        rescale.kT = p.kT;
+        rescale.cell = p.cell;
+        rescale.thickness = p.thickness;
+        rescale.amplitude = p.amplitude;
+        return {name, rescale};
+    }
+    if (name == "body_force") {
+        auto const& p = scene.body_force;
+        return {name, BodyForce<d>{.acceleration = p.acceleration, .opposed = p.opposed}};
+    }
+    if (name == "verlet") return {name, Verlet<d, Soft>{.potential = scene.soft, .substeps = scene.substeps}};
     if (name == "euler") {
         auto const& p = scene.euler;
         return {name, EulerImpulses<d>{.gamma = p.gamma,
@@ -51,6 +74,27 @@ void archive_state(Archive& archive, Simulation<d>& simulation) {
     archive("checkpoint/id", simulation.particles.id);
     archive("checkpoint/time", simulation.time);
     archive("checkpoint/step", simulation.step);
+    auto& stress = simulation.stage_stress;
+    std::uint64_t streamed = stress.streamed;
+    archive("checkpoint/stress/streamed", streamed);
+    archive("checkpoint/stress/kinetic", stress.kinetic);
+    archive("checkpoint/stress/potential", stress.potential);
+    stress.streamed = streamed != 0;
+
+    // pairs are found again as they were; forces are kept
+    bool const reading = archive.reading();
+    std::uint64_t found = simulation.pairs_of_step().has_value(),
+                  of_step = simulation.pairs_of_step().value_or(0);
+    archive("checkpoint/pairs/found", found);
+    archive("checkpoint/pairs/of_step", of_step);
+    if (reading && found) simulation.find_pairs_again(of_step);
+    std::uint64_t forces = simulation.forces_valid();
+    archive("checkpoint/forces/found", forces);
+    if (forces) {
+        archive("checkpoint/forces/force", simulation.force);
+        archive("checkpoint/forces/virial_xy", simulation.virial_xy);
+        simulation.forces_found();
+    }
 }
 
 void archive_counters(Archive& archive, Counters& counters) {
@@ -109,10 +153,7 @@ public:
         archive("dpdref/bytes", bytes);
         archive_counters(archive, simulation.counters);
         recorder.archive(archive);
-        if (!complete) {
-            archive_state(archive, simulation);
-            simulation.positions_changed();
-        }
+        if (!complete) archive_state(archive, simulation);
         return true;
     }
 
@@ -158,6 +199,8 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
         throw InputError(
             fmt::format("{}: is where the trajectory goes; allowed: another extension for results",
                         options.output->string()));
+    if (!options.output && scene.trajectory_interval > 0)
+        throw InputError("trajectory: has no place to go; allowed: with an output file (--out)");
     if (options.output) file.emplace(scene, *options.output);
     bool const resumed = file && file->load(simulation, *recorder, earlier_seconds, earlier_bytes, complete);
     RunResult result;
@@ -178,9 +221,6 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
         auto last_checkpoint = start, last_progress = start;
         try {
             while (simulation.step < scene.steps()) {
-                // a checkpoint holds no pairs: a step that began with those of the last would not resume
-                // exactly
-                simulation.positions_changed();
                 simulation.advance();
                 if (trajectory && simulation.step % scene.trajectory_interval == 0)
                     append_frame(*trajectory, simulation);
@@ -245,6 +285,24 @@ Estimate by_block(std::vector<Curve const*> const& curves, F&& f) {
     return independent(values);
 }
 
+// Ratio of the means of two series sampled together; the error is that of numerator - ratio*denominator.
+Estimate ratio_of(std::vector<std::vector<double>> numerator,
+                  std::vector<std::vector<double>> const& denominator) {
+    double above = 0.0, below = 0.0, count = 0.0;
+    for (std::size_t r = 0; r < numerator.size(); ++r)
+        for (std::size_t k = 0; k < numerator[r].size(); ++k) {
+            above += numerator[r][k];
+            below += denominator[r][k];
+            count += 1.0;
+        }
+    if (below == 0.0) return {};
+    double const ratio = above / below, mean = below / count;
+    for (std::size_t r = 0; r < numerator.size(); ++r)
+        for (std::size_t k = 0; k < numerator[r].size(); ++k)
+            numerator[r][k] = ratio + (numerator[r][k] - ratio * denominator[r][k]) / mean;
+    return combine(numerator);
+}
+
 // Slope of the mean-square displacement over the second half of its lags, over twice the number of
 // components.
 double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int components) {
@@ -262,6 +320,40 @@ double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double she
     return (centred * mean).sum() / centred.square().sum() / shear_rate;
 }
 
+// What theory makes of a measured g(r): the relaxation rate of friction, the collision viscosity, and the
+// potential viscosity that goes with a relaxation rate of one. @eq{NG2007,12} @eq{NG2007,14} @eq{NG2007,16}
+template <class Add>
+void add_integrals_of_g(Scene const& scene, std::vector<Record> const& records, Add&& add) {
+    auto const curves = curves_of(records, "radial_distribution");
+    auto const over_g = [&](auto&& f) {
+        return by_block(curves, [&](Curve const& curve, Eigen::ArrayXd const& mean) {
+            double const width = 2.0 * curve.x[0];
+            return f([&](double r) {
+                auto const bin = static_cast<Eigen::Index>(r / width);
+                return bin < mean.size() ? mean[bin] : 1.0;
+            });
+        });
+    };
+    theory::Gas gas{.d = scene.dimension, .n = scene.density(), .m = scene.mass, .kT = scene.thermostat_kT()};
+    if (scene.has_stage("shardlow") && scene.shardlow.friction > 0.0) {
+        gas.rc = scene.shardlow.cutoff;
+        theory::Shardlow const thermostat{.gamma = scene.shardlow.friction,
+                                          .weight = scene.shardlow.weight,
+                                          .scheme = scene.shardlow.scheme};
+        add("dpd_relaxation_rate",
+            over_g([&](auto const& g) { return theory::relaxation_rate(gas, thermostat, g); }));
+        add("collision_viscosity_by_g", over_g([&](auto const& g) {
+                return theory::collision_viscosity(gas, thermostat, scene.time_step, g);
+            }));
+    }
+    if (scene.has_stage("verlet") && scene.soft.strength > 0.0 && gas.kT > 0.0) {
+        gas.rc = scene.soft.cutoff;
+        theory::Soft const soft{.a = scene.soft.strength / gas.kT};
+        add("potential_viscosity_per_rate",
+            over_g([&](auto const& g) { return theory::potential_viscosity(gas, soft, 1.0, g); }));
+    }
+}
+
 }  // namespace
 
 template <int d>
@@ -275,18 +367,11 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.seed = scene.seed;
     simulation.time_step = scene.time_step;
 
-    double cutoff = 0.0, kT = scene.kT;
-    if (scene.has_stage("shardlow")) {
-        cutoff = std::max(cutoff, scene.shardlow.cutoff);
-        kT = std::max(kT, scene.shardlow.kT);
-    }
-    if (scene.has_stage("euler")) {
-        cutoff = std::max(cutoff, scene.euler.cutoff);
-        if (scene.euler.gamma > 0.0)
-            kT = std::max(kT, scene.euler.sigma * scene.euler.sigma / (2.0 * scene.euler.gamma));
-    }
-    simulation.hottest = divergence_factor * kT;
-    simulation.pair_search.cutoff = cutoff > 0.0 ? cutoff : 1.0;
+    simulation.hottest = divergence_factor * std::max(scene.kT, scene.thermostat_kT());
+    simulation.pair_search.cutoff = scene.cutoff() > 0.0 ? scene.cutoff() : 1.0;
+    simulation.stage_stress.wanted = scene.sample.stress;
+    if (scene.has_stage("verlet"))
+        simulation.potential_sums = [soft = scene.soft](Simulation<d>& s) { return potential_sums(s, soft); };
     simulation.pair_search.search = scene.search;
     simulation.pair_search.order = scene.order;
     for (auto const& name : scene.stages) simulation.stages.push_back(make_stage<d>(scene, name, sample));
@@ -312,21 +397,34 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
         for (double const value : momentum) largest_momentum = std::max(largest_momentum, value);
     if (!momenta.empty()) add("largest_momentum", {.value = largest_momentum, .error = 0.0, .blocks = 1});
 
-    auto kinetic = series_of(records, "kinetic_stress"), collision = series_of(records, "collision_stress");
+    for (char const* name : {"potential_energy", "pressure"}) add(name, combine(series_of(records, name)));
+    add("configurational_temperature",
+        ratio_of(series_of(records, "force_squared"), series_of(records, "laplacian")));
+
+    auto kinetic = series_of(records, "kinetic_stress"), collision = series_of(records, "collision_stress"),
+         potential = series_of(records, "potential_stress");
+    // the same mean with a smaller error
+    if (auto friction = series_of(records, "friction_stress"); !friction.empty()) collision = friction;
     if (scene.shear_rate != 0.0) {
-        auto total = kinetic;
+        auto total = kinetic, rest = kinetic;
         for (std::size_t r = 0; r < total.size(); ++r)
             for (std::size_t k = 0; k < total[r].size(); ++k) {
                 kinetic[r][k] /= scene.shear_rate;
                 collision[r][k] /= scene.shear_rate;
-                total[r][k] = kinetic[r][k] + collision[r][k];
+                rest[r][k] = collision[r][k];
+                if (!potential.empty()) rest[r][k] += potential[r][k] /= scene.shear_rate;
+                total[r][k] = kinetic[r][k] + rest[r][k];
             }
         add("kinetic_viscosity", combine(kinetic));
         add("collision_viscosity", combine(collision));
+        add("potential_viscosity", combine(potential));
         add("viscosity", combine(total));
+        // of what pairs carry over what particles carry
+        add("viscosity_ratio", ratio_of(rest, kinetic));
     } else {
         add("kinetic_stress", combine(kinetic));
         add("collision_stress", combine(collision));
+        add("potential_stress", combine(potential));
     }
     if (scene.shear_rate != 0.0)
         add("profile_slope",
@@ -357,7 +455,105 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
             return (mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1]) * (curve.x[1] - curve.x[0]) /
                    components;
         }));
+    // 1 if the velocity autocorrelation is exponential: its integral times its rate over the first lag
+    add("exponentiality",
+        by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
+            double const integral = mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1];
+            double const ratio = mean[1] / mean[0];  // the trapezium rule's sum of the powers of it follows
+            static_cast<void>(curve);
+            return integral / mean[0] / (1.0 / (1.0 - ratio) - 0.5);
+        }));
+    add_integrals_of_g(scene, records, add);
     return quantities;
+}
+
+namespace {
+
+Estimate estimate_of(std::vector<Quantity> const& quantities, std::string_view name) {
+    Quantity const* const found = find_quantity(quantities, name);
+    return found ? found->estimate : Estimate{};
+}
+
+// Adds f(arguments) where all arguments are known; its error from theirs, taken as independent, by finite
+// differences.
+template <class F>
+void add_function(std::vector<Quantity>& quantities, std::string name, std::vector<Estimate> const& arguments,
+                  F&& f) {
+    Estimate result;
+    std::vector<double> at;
+    for (auto const& argument : arguments) {
+        if (argument.blocks == 0) return;
+        at.push_back(argument.value);
+        result.blocks = at.size() == 1 ? argument.blocks : std::min(result.blocks, argument.blocks);
+    }
+    result.value = f(at);
+    double variance = 0.0;
+    for (std::size_t a = 0; a < at.size(); ++a) {
+        auto shifted = at;
+        shifted[a] += arguments[a].error;
+        variance += std::pow(f(shifted) - result.value, 2);
+    }
+    result.error = std::sqrt(variance);
+    quantities.push_back({std::move(name), result});
+}
+
+}  // namespace
+
+void derive(Scene const& scene, std::vector<Quantity>& quantities) {
+    auto const value = [&](std::string_view name) { return estimate_of(quantities, name); };
+    double const n = scene.density(), kT = scene.thermostat_kT();
+    add_function(quantities, "potential_relaxation_rate",
+                 {value("potential_viscosity"), value("potential_viscosity_per_rate")},
+                 [](auto const& x) { return x[0] / x[1]; });
+    add_function(quantities, "kinetic_viscosity_by_rates",
+                 {value("potential_relaxation_rate"), value("dpd_relaxation_rate")},
+                 [&](auto const& x) { return theory::kinetic_viscosity(n, kT, x[0], x[1]); });
+    add_function(quantities, "schmidt_number", {value("viscosity"), value("diffusion_constant")},
+                 [&](auto const& x) { return x[0] / (n * scene.mass * x[1]); });
+}
+
+void derive_at_lag(Scene const& scene, std::vector<Quantity>& quantities, double t) {
+    auto const value = [&](std::string_view name) { return estimate_of(quantities, name); };
+    double const kT = scene.thermostat_kT(), m = scene.mass;
+    add_function(quantities, "exponential_decay", {value("green_kubo_diffusion_constant")},
+                 [&](auto const& x) { return kT / m * std::exp(-t * kT / (m * x[0])); });
+    bool const cube = std::all_of(scene.length.begin(), scene.length.end(),
+                                  [&](double side) { return side == scene.length.front(); });
+    if (!cube || t <= 0.0) return;
+    theory::Gas const gas{.d = scene.dimension, .n = scene.density(), .m = m, .kT = kT};
+    add_function(quantities, "hydrodynamic_tail",
+                 {value("viscosity"), value("green_kubo_diffusion_constant")}, [&](auto const& x) {
+                     return theory::velocity_autocorrelation_tail_in_box(gas, x[0], x[1],
+                                                                         scene.length.front(), t);
+                 });
+}
+
+CurveEstimate curve_of(Scene const& scene, std::vector<Record> const& records, std::string const& name) {
+    bool const temperature = name == "temperature_profile";
+    auto const curves = curves_of(records, temperature ? "velocity_squared_profile" : name);
+    CurveEstimate result;
+    if (curves.empty()) return result;
+    result.x = curves.front()->x;
+    auto const velocities = curves_of(records, "velocity_profile");
+    double const components = scene.shear_rate != 0.0 ? scene.dimension - 1 : scene.dimension;
+    for (std::size_t bin = 0; bin < result.x.size(); ++bin) {
+        std::vector<double> values;
+        for (std::size_t c = 0; c < curves.size(); ++c) {
+            auto means = curves[c]->block_means(Eigen::Index(bin));
+            if (temperature) {
+                // what flows beyond the imposed shear is not heat
+                auto const flow = velocities[c]->block_means(Eigen::Index(bin));
+                double const imposed = scene.shear_rate * (result.x[bin] - 0.5 * scene.length[1]);
+                for (std::size_t b = 0; b < means.size(); ++b)
+                    means[b] = scene.mass * (means[b] - std::pow(flow[b] - imposed, 2)) / scene.dimension;
+            }
+            if (name == "velocity_autocorrelation")
+                for (double& mean : means) mean /= components;
+            values.insert(values.end(), means.begin(), means.end());
+        }
+        result.y.push_back(independent(values));
+    }
+    return result;
 }
 
 Quantity const* find_quantity(std::vector<Quantity> const& quantities, std::string_view name) {

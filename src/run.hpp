@@ -57,6 +57,25 @@ struct Quantity {
 /// The numbers that a scene's records give; several records are independent runs of it.
 std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& records);
 
+/// Adds what follows from quantities of several scenes at one state point (viscosity under shear, g(r) and
+/// diffusion at rest): `potential_relaxation_rate` by eq. 16, `kinetic_viscosity_by_rates` by eq. 14,
+/// `schmidt_number`. @eq{NG2007,14} @eq{NG2007,16}
+void derive(Scene const& scene, std::vector<Quantity>& quantities);
+
+/// Adds what a velocity autocorrelation is compared with at lag t: `exponential_decay`, the exponential of
+/// the same integral, and, where viscosity and diffusion are known, `hydrodynamic_tail` in the periodic box.
+void derive_at_lag(Scene const& scene, std::vector<Quantity>& quantities, double t);
+
+/// A measured function: one estimate per bin.
+struct CurveEstimate {
+    std::vector<double> x;
+    std::vector<Estimate> y;
+};
+
+/// The curve of that name; also "temperature_profile". Empty if the scene does not measure it. Per component
+/// for the velocity autocorrelation.
+CurveEstimate curve_of(Scene const& scene, std::vector<Record> const& records, std::string const& name);
+
 /// The quantity of that name, or nothing.
 Quantity const* find_quantity(std::vector<Quantity> const& quantities, std::string_view name);
 

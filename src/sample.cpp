@@ -43,6 +43,7 @@ double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double t
 
 template <int d>
 double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box, double time_step) {
+    if (!pairs.updated) return 0.0;
     double sum = 0.0;
     for (std::size_t k = 0; k < pairs.count; ++k)
         sum += pairs.impulse[k] * pairs.unit[0][k] * pairs.unit[1][k] * pairs.distance[k];
@@ -58,6 +59,14 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
     if (parameters_.stress) {
         series["kinetic_stress"];
         series["collision_stress"];
+        if (simulation.potential_sums) series["potential_stress"];
+        if (parameters_.friction_stress) series["friction_stress"];
+    }
+    if (parameters_.potential_energy) series["potential_energy"];
+    if (parameters_.pressure) series["pressure"];
+    if (parameters_.configurational_temperature) {
+        series["force_squared"];
+        series["laplacian"];
     }
     auto const curve = [&](std::string const& name, std::size_t bins, double first, double spacing) {
         Curve& added = record_.curves[name];
@@ -68,6 +77,7 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
         double const width = simulation.box.length[1] / double(p->bins);
         for (char const* name : {"velocity_profile", "density_profile"})
             curve(name, p->bins, 0.5 * width, width);
+        if (p->temperature) curve("velocity_squared_profile", p->bins, 0.5 * width, width);
     }
     if (auto const& p = parameters_.radial_distribution) {
         double const width = p->range / double(p->bins);
@@ -102,12 +112,9 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
                 kinetic_temperature(simulation.particles, simulation.box));
         if (parameters_.momentum)
             series["momentum"].push_back(total_momentum(simulation.particles, simulation.box).norm());
-        if (parameters_.stress) {
-            series["kinetic_stress"].push_back(
-                kinetic_stress(simulation.particles, simulation.box, simulation.time_step));
-            series["collision_stress"].push_back(collision_stress(
-                simulation.pairs(), simulation.particles.mass, simulation.box, simulation.time_step));
-        }
+        if (parameters_.stress) sample_stress(simulation);
+        if (parameters_.potential_energy || parameters_.pressure || parameters_.configurational_temperature)
+            sample_potential(simulation);
     }
     Eigen::Index const block = block_of(simulation.step);
     if (parameters_.profile && step % parameters_.profile->interval == 0) sample_profile(simulation, block);
@@ -135,6 +142,39 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
 }
 
 template <int d>
+void Recorder<d>::sample_stress(Simulation<d>& simulation) {
+    auto& series = record_.series;
+    auto const& stage = simulation.stage_stress;
+    auto const& particles = simulation.particles;
+    auto const& box = simulation.box;
+    // a stage that streams in substeps has measured what it did in the step before
+    series["kinetic_stress"].push_back(stage.streamed ? stage.kinetic
+                                                      : kinetic_stress(particles, box, simulation.time_step));
+    if (simulation.potential_sums) series["potential_stress"].push_back(stage.potential);
+    if (parameters_.friction_stress) series["friction_stress"].push_back(stage.friction);
+    series["collision_stress"].push_back(
+        stage.rescaling + (simulation.pairs_of_step() ? collision_stress(simulation.pairs(), particles.mass,
+                                                                         box, simulation.time_step)
+                                                      : 0.0));
+}
+
+template <int d>
+void Recorder<d>::sample_potential(Simulation<d>& simulation) {
+    auto& series = record_.series;
+    auto const n = double(simulation.particles.size());
+    auto const sums = simulation.potential_sums ? simulation.potential_sums(simulation) : PotentialSums{};
+    if (parameters_.potential_energy) series["potential_energy"].push_back(sums.energy / n);
+    if (parameters_.pressure)
+        series["pressure"].push_back(
+            ((n - 1.0) * kinetic_temperature(simulation.particles, simulation.box) + sums.virial / d) /
+            simulation.box.volume());
+    if (parameters_.configurational_temperature) {
+        series["force_squared"].push_back(sums.force_squared / n);
+        series["laplacian"].push_back(sums.laplacian / n);
+    }
+}
+
+template <int d>
 void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index block) {
     Curve& velocity = record_.curves["velocity_profile"];
     Curve& density = record_.curves["density_profile"];
@@ -149,6 +189,17 @@ void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index b
         density.sum(bin, block) += double(bins) / simulation.box.volume();
     }
     density.weight.col(block) += 1.0;
+    if (!parameters_.profile->temperature) return;
+    // relative to the imposed flow; what else flows is taken off in the analysis
+    Curve& square = record_.curves["velocity_squared_profile"];
+    for (Eigen::Index p = 0; p < particles.size(); ++p) {
+        double const y = particles.position(p, 1);
+        auto const bin = std::min(static_cast<Eigen::Index>(y * bins_per_length), bins - 1);
+        Vec<d> u = particles.velocity.row(p).matrix().transpose();
+        u[0] -= simulation.box.flow_velocity(y);
+        square.sum(bin, block) += u.squaredNorm();
+        square.weight(bin, block) += 1.0;
+    }
 }
 
 template <int d>

@@ -22,6 +22,7 @@ struct CorrelationParameters {
 struct ProfileParameters {
     std::uint64_t interval = 1;
     std::uint64_t bins = 40;
+    bool temperature = false;
 };
 
 struct RadialDistributionParameters {
@@ -36,7 +37,11 @@ struct SampleParameters {
     std::uint64_t steps = 0;          ///< last step
     bool kinetic_temperature = false;
     bool stress = false;
+    bool friction_stress = false;
     bool momentum = false;
+    bool potential_energy = false;
+    bool pressure = false;
+    bool configurational_temperature = false;
     std::optional<ProfileParameters> profile;
     std::optional<RadialDistributionParameters> radial_distribution;
     std::optional<CorrelationParameters> mean_square_displacement;
@@ -72,8 +77,9 @@ struct Record {
 template <int d>
 double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double time_step);
 
-/// Contribution of the last pair update to sigma_xy: minus the momentum that pairs exchange through planes
-/// of constant y, averaged over all planes: -(m/(V dt)) sum_pairs impulse e_x y_ij. @eq{NG2007,11}
+/// Contribution of the last pair thermostat to sigma_xy (none: 0): minus the momentum that pairs exchange
+/// through planes of constant y, averaged over all planes: -(m/(V dt)) sum_pairs impulse e_x y_ij.
+/// @eq{NG2007,11}
 template <int d>
 double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box, double time_step);
 
@@ -93,6 +99,8 @@ private:
         Field<d> value;
     };
 
+    void sample_stress(Simulation<d>&);
+    void sample_potential(Simulation<d>&);
     void sample_profile(Simulation<d> const&, Eigen::Index block);
     void sample_radial_distribution(Simulation<d> const&, Eigen::Index block);
     template <class Value, class Product>

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "stages.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
 
@@ -87,9 +88,11 @@ void override_key(toml::table& table, std::string const& assignment, std::string
 
 namespace {
 
-constexpr std::array<std::string_view, 6> stage_names{"shardlow", "euler",   "kick",
-                                                      "drift",    "scatter", "sample"};
-constexpr std::array<std::string_view, 3> observable_names{"kinetic_temperature", "momentum", "stress"};
+constexpr std::array<std::string_view, 10> stage_names{
+    "shardlow", "lowe", "euler", "kick", "drift", "verlet", "rescale", "body_force", "scatter", "sample"};
+constexpr std::array<std::string_view, 7> observable_names{
+    "friction_stress", "kinetic_temperature",        "momentum", "stress", "potential_energy",
+    "pressure",        "configurational_temperature"};
 
 constexpr Allowed bin_count{[](double x) { return x >= 1.0 && x <= 1e6; }, "an integer, 1 to 10^6"};
 
@@ -131,38 +134,109 @@ void read_time(Scene& scene, TomlReader reader) {
     scene.time_step = reader.number("step", std::nullopt, positive);
     double const duration = reader.number("duration", std::nullopt, positive);
     double const equilibration = reader.number("equilibration", 0.0, non_negative);
-    if ((duration + equilibration) / scene.time_step > 1e15)
-        reader.fail("duration", "is more than 10^15 steps");
+    if ((duration + equilibration) / scene.time_step > 1e14)
+        reader.fail("duration", "is more than 10^14 steps");
     scene.production_steps = std::max<std::uint64_t>(1, steps_of(duration, scene.time_step));
     scene.equilibration_steps = steps_of(equilibration, scene.time_step);
     scene.checkpoint_seconds = reader.number("checkpoint", 30.0, positive);
     reader.finish();
 }
 
-void read_thermostats(Scene& scene, TomlReader& root) {
-    for (std::string const name : {"shardlow", "euler"})
-        if (root.has(name) && !scene.has_stage(name))
-            root.fail(name, fmt::format("is given, but \"{}\" is not among the stages", name));
-    if (auto reader = root.table("shardlow")) {
-        auto& p = scene.shardlow;
-        p.friction = reader->number("friction", std::nullopt, non_negative);
-        p.cutoff = reader->number("cutoff", 1.0, positive);
-        p.kT = reader->number("kT", 1.0, non_negative);
-        p.weight = read_weight(*reader, "weight");
-        reader->finish();
-    } else if (scene.has_stage("shardlow")) {
-        root.fail("shardlow", "is missing; allowed: a table [shardlow] with at least friction");
+Scheme read_scheme(TomlReader& reader, std::string const& key) {
+    std::array<std::string_view, schemes.size()> names;
+    std::transform(schemes.begin(), schemes.end(), names.begin(), [](auto const& s) { return s.name; });
+    return *scheme_from_name(reader.text(key, "shardlow", names));
+}
+
+void read_shardlow(Scene& scene, TomlReader& reader) {
+    auto& p = scene.shardlow;
+    p.friction = reader.number("friction", std::nullopt, non_negative);
+    p.cutoff = reader.number("cutoff", 1.0, positive);
+    p.kT = reader.number("kT", 1.0, non_negative);
+    p.weight = read_weight(reader, "weight");
+    p.scheme = read_scheme(reader, "scheme");
+    if (p.scheme == Scheme::linear && p.friction * scene.time_step > scene.mass)
+        reader.fail("friction", fmt::format("{} times the step is above the mass; allowed with scheme "
+                                            "\"linear\": at most {}",
+                                            p.friction, scene.mass / scene.time_step));
+}
+
+void read_lowe(Scene& scene, TomlReader& reader) {
+    auto& p = scene.lowe;
+    p.rate = reader.number("rate", std::nullopt, non_negative);
+    p.cutoff = reader.number("cutoff", 1.0, positive);
+    p.kT = reader.number("kT", 1.0, non_negative);
+    if (p.rate * scene.time_step > most_sweeps)
+        reader.fail("rate", fmt::format("{} is {:g} updates of a pair per step; allowed: at most {:g}",
+                                        p.rate, p.rate * scene.time_step, most_sweeps));
+}
+
+void read_euler(Scene& scene, TomlReader& reader) {
+    auto& p = scene.euler;
+    p.gamma = reader.number("gamma", std::nullopt, non_negative);
+    p.sigma = reader.number("sigma", std::nullopt, non_negative);
+    p.cutoff = reader.number("cutoff", 1.0, positive);
+    p.weight = read_weight(reader, "weight");
+    if (reader.has("random_weight")) p.random_weight = read_weight(reader, "random_weight");
+}
+
+void read_verlet(Scene& scene, TomlReader& reader) {
+    scene.substeps = reader.integer("substeps", 1, positive_integer);
+    auto soft = reader.table("soft");
+    if (!soft) reader.fail("soft", "is missing; allowed: a table [verlet.soft] with at least strength");
+    scene.soft.strength = soft->number("strength", std::nullopt, non_negative);
+    scene.soft.cutoff = soft->number("cutoff", 1.0, positive);
+    soft->finish();
+}
+
+void read_rescale(Scene& scene, TomlReader& reader) {
+    auto& p = scene.rescale;
+    auto const mode = reader.text("mode", "global", rescaling_names);
+    p.mode = static_cast<Rescaling>(std::find(rescaling_names.begin(), rescaling_names.end(), mode) -
+                                    rescaling_names.begin());
+    p.kT = reader.number("kT", 1.0, positive);
+    p.cell = reader.number("cell", 1.0, positive);
+    p.thickness = reader.integer("thickness", 1, positive_integer);
+    p.amplitude = reader.number("amplitude", 0.1, positive);
+    for (double const side : scene.length) {
+        double const cells = side / p.cell;
+        if (std::abs(cells - std::round(cells)) > 1e-9 * cells || cells < 0.5 || cells > 1e6)
+            reader.fail("cell",
+                        fmt::format("{} does not divide the box side {}; allowed: a side over a whole "
+                                    "number",
+                                    p.cell, side));
     }
-    if (auto reader = root.table("euler")) {
-        auto& p = scene.euler;
-        p.gamma = reader->number("gamma", std::nullopt, non_negative);
-        p.sigma = reader->number("sigma", std::nullopt, non_negative);
-        p.cutoff = reader->number("cutoff", 1.0, positive);
-        p.weight = read_weight(*reader, "weight");
-        if (reader->has("random_weight")) p.random_weight = read_weight(*reader, "random_weight");
+}
+
+void read_body_force(Scene& scene, TomlReader& reader) {
+    scene.body_force.acceleration = reader.number("acceleration", std::nullopt, any_number);
+    scene.body_force.opposed = reader.boolean("opposed", false);
+}
+
+struct StageTable {
+    char const* stage;
+    char const* needs;
+    void (*read)(Scene&, TomlReader&);
+};
+
+// The stages that have parameters.
+constexpr std::array<StageTable, 6> stage_tables{{{"shardlow", "friction", read_shardlow},
+                                                  {"lowe", "rate", read_lowe},
+                                                  {"euler", "gamma and sigma", read_euler},
+                                                  {"verlet", "[verlet.soft]", read_verlet},
+                                                  {"rescale", "nothing", read_rescale},
+                                                  {"body_force", "acceleration", read_body_force}}};
+
+void read_stage_parameters(Scene& scene, TomlReader& root) {
+    for (auto const& [stage, needs, read] : stage_tables) {
+        auto reader = root.table(stage);
+        if (reader && !scene.has_stage(stage))
+            root.fail(stage, fmt::format("is given, but \"{}\" is not among the stages", stage));
+        if (!reader && scene.has_stage(stage))
+            root.fail(stage, fmt::format("is missing; allowed: a table [{}] with at least {}", stage, needs));
+        if (!reader) continue;
+        read(scene, *reader);
         reader->finish();
-    } else if (scene.has_stage("euler")) {
-        root.fail("euler", "is missing; allowed: a table [euler] with at least gamma and sigma");
     }
 }
 
@@ -189,10 +263,15 @@ void read_sample(Scene& scene, TomlReader reader) {
         if (name == "kinetic_temperature") sample.kinetic_temperature = true;
         if (name == "momentum") sample.momentum = true;
         if (name == "stress") sample.stress = true;
+        if (name == "friction_stress") sample.stress = sample.friction_stress = true;
+        if (name == "potential_energy") sample.potential_energy = true;
+        if (name == "pressure") sample.pressure = true;
+        if (name == "configurational_temperature") sample.configurational_temperature = true;
     }
     if (auto table = reader.table("profile")) {
         sample.profile = {.interval = table->integer("interval", 1, positive_integer),
-                          .bins = table->integer("bins", 40, bin_count)};
+                          .bins = table->integer("bins", 40, bin_count),
+                          .temperature = table->boolean("temperature", false)};
         table->finish();
     }
     if (auto table = reader.table("radial_distribution")) {
@@ -221,18 +300,32 @@ void read_pairs(Scene& scene, TomlReader reader) {
     reader.finish();
 }
 
+constexpr std::array<std::string_view, 3> pair_thermostats{"shardlow", "lowe", "euler"};
+
 // Stages that hand something on need an order.
 void check_stages(Scene const& scene, TomlReader const& root) {
+    auto const is_pair_thermostat = [](std::string const& stage) {
+        return std::find(pair_thermostats.begin(), pair_thermostats.end(), stage) != pair_thermostats.end();
+    };
+    bool const has_pair_thermostat =
+        std::any_of(scene.stages.begin(), scene.stages.end(), is_pair_thermostat);
+    if (scene.has_stage("verlet") && scene.has_stage("drift"))
+        root.fail("stages", "has both verlet and drift; allowed: one of them moves the particles");
+    if (scene.has_stage("verlet") && scene.sample.stress && scene.equilibration_steps == 0)
+        root.fail("time", "has no equilibration; allowed with verlet and stress: at least one step");
+    if (scene.sample.friction_stress && !scene.has_stage("shardlow") && !scene.has_stage("lowe"))
+        root.fail("stages", "have no friction_stress to sample; allowed: with shardlow or lowe");
     bool impulses_wait = false, impulses_at_positions = false;
     for (auto const& stage : scene.stages) {
         if (stage == "euler") impulses_wait = true;
-        if (stage == "shardlow" || stage == "euler") impulses_at_positions = true;
-        if (stage == "drift" || stage == "scatter") impulses_at_positions = false;
+        if (is_pair_thermostat(stage)) impulses_at_positions = true;
+        if (stage == "drift" || stage == "verlet" || stage == "scatter") impulses_at_positions = false;
         if (stage == "kick" && !impulses_wait) root.fail("stages", "has a kick but no euler before it");
-        if (stage == "sample" && scene.sample.stress && !impulses_at_positions)
-            root.fail("stages",
-                      "samples the stress where no pair impulses are at hand; allowed: sample after shardlow "
-                      "or euler and before drift");
+        if (stage == "sample" && scene.sample.stress && has_pair_thermostat && !impulses_at_positions)
+            root.fail(
+                "stages",
+                "samples the stress where no pair impulses are at hand; allowed: sample after shardlow, "
+                "lowe or euler and before drift or verlet");
     }
 }
 
@@ -253,14 +346,11 @@ Scene read_scene(toml::table const& table, std::string const& name) {
     read_box(scene, required("box"));
     read_particles(scene, required("particles"));
     read_time(scene, required("time"));
-    read_thermostats(scene, root);
-    double cutoff = 0.0;
-    if (scene.has_stage("shardlow")) cutoff = std::max(cutoff, scene.shardlow.cutoff);
-    if (scene.has_stage("euler")) cutoff = std::max(cutoff, scene.euler.cutoff);
+    read_stage_parameters(scene, root);
     for (double const side : scene.length)
-        if (side < 2.0 * cutoff)
+        if (side < 2.0 * scene.cutoff())
             required("box").fail("length", fmt::format("{} is too small; allowed: at least two cutoffs, {}",
-                                                       side, 2.0 * cutoff));
+                                                       side, 2.0 * scene.cutoff()));
     if (auto reader = root.table("sample")) {
         if (!scene.has_stage("sample"))
             root.fail("sample", "is given, but \"sample\" is not among the stages");
@@ -288,6 +378,25 @@ double Scene::volume() const {
 
 bool Scene::has_stage(std::string const& name) const {
     return std::find(stages.begin(), stages.end(), name) != stages.end();
+}
+
+double Scene::cutoff() const {
+    double longest = 0.0;
+    if (has_stage("shardlow")) longest = std::max(longest, shardlow.cutoff);
+    if (has_stage("lowe")) longest = std::max(longest, lowe.cutoff);
+    if (has_stage("euler")) longest = std::max(longest, euler.cutoff);
+    if (has_stage("verlet")) longest = std::max(longest, soft.cutoff);
+    return longest;
+}
+
+double Scene::thermostat_kT() const {
+    double highest = 0.0;
+    if (has_stage("shardlow")) highest = std::max(highest, shardlow.kT);
+    if (has_stage("lowe")) highest = std::max(highest, lowe.kT);
+    if (has_stage("rescale")) highest = std::max(highest, rescale.kT);
+    if (has_stage("euler") && euler.gamma > 0.0)
+        highest = std::max(highest, euler.sigma * euler.sigma / (2.0 * euler.gamma));
+    return highest;
 }
 
 std::string Scene::key() const {

@@ -10,7 +10,10 @@
 #include <vector>
 
 #include "pairs.hpp"
+#include "potential.hpp"
+#include "rescale.hpp"
 #include "sample.hpp"
+#include "scheme.hpp"
 #include "weight.hpp"
 
 namespace dpd {
@@ -18,6 +21,22 @@ namespace dpd {
 struct ShardlowParameters {
     double friction = 1.0, cutoff = 1.0, kT = 1.0;
     Weight weight = Weight::linear;
+    Scheme scheme = Scheme::shardlow;
+};
+
+struct LoweParameters {
+    double rate = 1.0, cutoff = 1.0, kT = 1.0;
+};
+
+struct RescaleParameters {
+    Rescaling mode = Rescaling::global;
+    double kT = 1.0, cell = 1.0, amplitude = 0.1;
+    std::uint64_t thickness = 1;
+};
+
+struct BodyForceParameters {
+    double acceleration = 0.0;
+    bool opposed = false;
 };
 
 struct EulerParameters {
@@ -38,6 +57,11 @@ struct Scene {
     double kT = 1.0;  ///< of the initial velocities
     ShardlowParameters shardlow;
     EulerParameters euler;
+    LoweParameters lowe;
+    RescaleParameters rescale;
+    BodyForceParameters body_force;
+    std::uint64_t substeps = 1;  ///< of the stage "verlet"
+    Soft soft;                   ///< its potential
     double time_step = 0.0;
     std::uint64_t equilibration_steps = 0;
     std::uint64_t production_steps = 0;
@@ -55,6 +79,8 @@ struct Scene {
     double density() const { return double(particles) / volume(); }
     std::uint64_t steps() const { return equilibration_steps + production_steps; }
     bool has_stage(std::string const& name) const;
+    double cutoff() const;         ///< the longest of the scene's pair interactions; 0 without any
+    double thermostat_kT() const;  ///< the highest that a thermostat of the scene is set to; 0 without any
 
     /// Name of this scene's cached result: a UUID (version 5) of text, seed and engine revision.
     std::string key() const;

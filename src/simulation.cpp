@@ -14,15 +14,20 @@ constexpr std::uint64_t searches_per_sorting = 16;
 
 template <int d>
 PairList<d>& Simulation<d>::pairs() {
-    if (pairs_valid_) return pairs_;
+    if (pairs_of_step_) return pairs_;
     if (counters.searches++ % searches_per_sorting == 0) pair_search.sort_particles(particles, box, time);
-    constexpr std::uint8_t stream_order = 253;
-    pair_search.find(particles, box, time, {seed, step, stream_order}, pairs_);
-    pairs_valid_ = true;
+    find_pairs_again(step);
     counters.pairs_found += pairs_.count;
     counters.boundary_pairs += pairs_.crossing.size();
     counters.coincident_pairs += pairs_.coincident;
     return pairs_;
+}
+
+template <int d>
+void Simulation<d>::find_pairs_again(std::uint64_t of_step) {
+    constexpr std::uint8_t stream_order = 253;
+    pair_search.find(particles, box, time, {seed, of_step, stream_order}, pairs_);
+    pairs_of_step_ = of_step;
 }
 
 template <int d>
@@ -52,8 +57,8 @@ template <int d>
 std::size_t Simulation<d>::bytes() const {
     std::size_t const state = static_cast<std::size_t>(particles.size()) *
                               (2 * d * sizeof(double) + (d + 1) * sizeof(std::uint32_t));
-    return state + static_cast<std::size_t>(momentum_change.size()) * sizeof(double) + pairs_.bytes() +
-           pair_search.bytes();
+    return state + static_cast<std::size_t>(momentum_change.size() + force.size()) * sizeof(double) +
+           pairs_.bytes() + pair_search.bytes();
 }
 
 template <int d>

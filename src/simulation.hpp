@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,25 @@ struct Stage {
     std::function<void(Simulation<d>&, NoiseKey)> act;
 };
 
+/// Contributions to the stress sigma_xy that only the stage which makes them can see, averaged over its last
+/// step. Measured where wanted.
+struct StageStress {
+    bool wanted = false;
+    bool streamed = false;  ///< kinetic and potential part have been measured
+    double kinetic = 0.0;
+    double potential = 0.0;
+    double rescaling = 0.0;
+    double friction = 0.0;  ///< collision stress without the noise of each pair's own update
+};
+
+/// Sums over the pairs of a conservative force.
+struct PotentialSums {
+    double energy = 0.0;
+    double virial = 0.0;         ///< sum over pairs of f r
+    double force_squared = 0.0;  ///< sum over particles of |F|^2
+    double laplacian = 0.0;      ///< sum over particles of the divergence of -F
+};
+
 template <int d>
 struct Simulation {
     Particles<d> particles;
@@ -49,13 +69,29 @@ struct Simulation {
     double time = 0.0;         ///< of the positions; the drift advances it
     double hottest = 0.0;      ///< kT beyond which the run counts as diverged
     Field<d> momentum_change;  ///< Euler impulses waiting for the kick; empty where no stage needs it
+    Field<d> force;            ///< conservative forces; empty where there are none
+    double virial_xy = 0.0;    ///< sum over pairs of f e_x y_ij that belongs to `force`
+    StageStress stage_stress;
+    std::function<PotentialSums(Simulation&)> potential_sums;  ///< of the scene's potential, if it has one
 
     /// The pairs within the cutoff of the pair search, at the present positions; shared by all stages until
     /// positions change.
     PairList<d>& pairs();
 
     /// To be called by whatever moves particles.
-    void positions_changed() { pairs_valid_ = false; }
+    void positions_changed() {
+        pairs_of_step_.reset();
+        forces_valid_ = false;
+    }
+
+    /// Whether `force` belongs to the present positions.
+    bool forces_valid() const { return forces_valid_; }
+    void forces_found() { forces_valid_ = true; }
+
+    /// The step in which the present pairs were found, if they are: with the state all that a checkpoint
+    /// needs to have them again.
+    std::optional<std::uint64_t> pairs_of_step() const { return pairs_of_step_; }
+    void find_pairs_again(std::uint64_t of_step);
 
     /// Runs the stage list once. Throws Diverged, with the step's number.
     void advance();
@@ -67,7 +103,8 @@ private:
     void check_divergence() const;
 
     PairList<d> pairs_;
-    bool pairs_valid_ = false;
+    std::optional<std::uint64_t> pairs_of_step_;
+    bool forces_valid_ = false;
 };
 
 /// kT of the peculiar velocities, (1/(d(N-1))) sum m (v - u(y))^2: momentum is conserved.

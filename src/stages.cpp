@@ -1,7 +1,10 @@
 #include "stages.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
+
+#include "sample.hpp"
 
 namespace dpd {
 namespace {
@@ -29,6 +32,16 @@ void for_each_pair(PairList<d> const& pairs, Box<d> const& box, Visit&& visit) {
     for (; k < pairs.count; ++k) visit(k, std::integral_constant<int, 0>{});
 }
 
+// Moves all particles for a time `span` that ends at `end`.
+template <int d>
+void stream(Simulation<d>& simulation, double span, double end) {
+    auto& particles = simulation.particles;
+    particles.position += particles.velocity * span;
+    simulation.time = end;
+    simulation.box.wrap(particles, simulation.time);
+    simulation.positions_changed();
+}
+
 // v_ij . e_ij
 template <int d, class Speed>
 inline double approach(double const* const (&velocity)[d], std::uint32_t i, std::uint32_t j,
@@ -38,15 +51,48 @@ inline double approach(double const* const (&velocity)[d], std::uint32_t i, std:
     return sum;
 }
 
+// The sequential update of all pairs within the cutoff; `impulse` holds the pairs' noise and gets the changes
+// of velocity. The stress of friction is collected apart: noise has mean zero whatever went before. a_of(k,
+// x) is A of pair k at x = r/cutoff. @eq{NG2007,4}
+template <int d, class AOfPair>
+void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, double cutoff, double kT, AOfPair&& a_of) {
+    auto& particles = simulation.particles;
+    double* const impulse = pairs.impulse.data();
+    double const noise = std::sqrt(2.0 * kT / particles.mass);
+    double const per_cutoff = 1.0 / cutoff;
+    double* velocity[d];
+    for (int axis = 0; axis < d; ++axis) velocity[axis] = particles.velocity.col(axis).data();
+    bool const stress_wanted = simulation.stage_stress.wanted;
+    double moved = 0.0;
+    for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
+        double const x = pairs.distance[k] * per_cutoff;
+        double const a = x < 1.0 ? a_of(k, x) : 0.0;
+        if (a == 0.0) {
+            impulse[k] = 0.0;
+            return;
+        }
+        double e[d];
+        for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
+        auto const i = pairs.i[k], j = pairs.j[k];
+        double const friction = -a * approach<d>(velocity, i, j, e, image_speed);
+        double const change = friction + update_b(a, 1.0) * noise * impulse[k];
+        if (stress_wanted) moved += friction * e[0] * e[1] * pairs.distance[k];
+        for (int axis = 0; axis < d; ++axis) {
+            velocity[axis][i] += change * e[axis];
+            velocity[axis][j] -= change * e[axis];
+        }
+        impulse[k] = change;
+    });
+    simulation.stage_stress.friction -=
+        particles.mass * moved / (simulation.box.volume() * simulation.time_step);
+    pairs.updated = true;
+}
+
 }  // namespace
 
 template <int d>
 void Drift<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
-    auto& particles = simulation.particles;
-    particles.position += particles.velocity * simulation.time_step;
-    simulation.time = double(simulation.step + 1) * simulation.time_step;
-    simulation.box.wrap(particles, simulation.time);
-    simulation.positions_changed();
+    stream(simulation, simulation.time_step, double(simulation.step + 1) * simulation.time_step);
 }
 
 template <int d>
@@ -67,34 +113,46 @@ void Scatter<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
 template <int d>
 void Shardlow<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
     auto& pairs = simulation.pairs();
-    auto& particles = simulation.particles;
-    double* const impulse = draw_pair_noise(simulation, pairs, key);
-    double const rate = friction * simulation.time_step / particles.mass;
-    double const noise = std::sqrt(2.0 * kT / particles.mass);
-    double const per_cutoff = 1.0 / cutoff;
-
-    double* velocity[d];
-    for (int axis = 0; axis < d; ++axis) velocity[axis] = particles.velocity.col(axis).data();
+    draw_pair_noise(simulation, pairs, key);
+    simulation.stage_stress.friction = 0.0;
+    double const rate = friction * simulation.time_step / simulation.particles.mass;
     with_weight(weight, [&]<Weight w>() {
-        for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
-            double const x = pairs.distance[k] * per_cutoff;
-            if (x >= 1.0) {
-                impulse[k] = 0.0;
-                return;
-            }
-            double const a = shardlow_a(rate * weight_at<w>(x));
-            double e[d];
-            for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
-            auto const i = pairs.i[k], j = pairs.j[k];
-            double const change =
-                -a * approach<d>(velocity, i, j, e, image_speed) + shardlow_b(a, 1.0) * noise * impulse[k];
-            for (int axis = 0; axis < d; ++axis) {
-                velocity[axis][i] += change * e[axis];
-                velocity[axis][j] -= change * e[axis];
-            }
-            impulse[k] = change;
+        with_scheme(scheme, [&]<Scheme s>() {
+            update_pairs(simulation, pairs, cutoff, kT,
+                         [&](std::size_t, double x) { return update_a<s>(rate * weight_at<w>(x)); });
         });
     });
+}
+
+template <int d>
+void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
+    auto& pairs = simulation.pairs();
+    simulation.stage_stress.friction = 0.0;
+    double const updates = rate * simulation.time_step;
+    auto const sweeps = static_cast<int>(std::ceil(updates));
+    if (sweeps == 0) std::fill_n(pairs.impulse.begin(), pairs.count, 0.0);
+    Eigen::ArrayXd total, lot(pairs.count);
+    Eigen::Map<Eigen::ArrayXd> const impulse(pairs.impulse.data(), lot.size());
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        key.sweep = static_cast<std::uint8_t>(sweep);
+        draw_pair_noise(simulation, pairs, key);
+        double const probability = updates - sweep;
+        if (probability >= 1.0) {
+            update_pairs(simulation, pairs, cutoff, kT, [](std::size_t, double) { return 0.5; });
+        } else {
+            NoiseKey lots = key;
+            lots.sweep |= 0x80;  // apart from the sweeps' normals
+            pair_uniforms(lots, {pairs.i.data(), pairs.count}, {pairs.j.data(), pairs.count},
+                          simulation.particles.id.data(), {lot.data(), pairs.count});
+            simulation.counters.random_draws += pairs.count;
+            update_pairs(simulation, pairs, cutoff, kT, [&](std::size_t k, double) {
+                return lot[Eigen::Index(k)] < probability ? 0.5 : 0.0;
+            });
+        }
+        if (sweeps > 1) total = sweep == 0 ? Eigen::ArrayXd(impulse) : Eigen::ArrayXd(total + impulse);
+    }
+    if (sweeps > 1) std::copy_n(total.data(), pairs.count, pairs.impulse.begin());
+    pairs.updated = true;
 }
 
 template <int d>
@@ -135,6 +193,7 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
             impulse[k] = momentum * per_mass;
         });
     });
+    pairs.updated = true;
 }
 
 template <int d>
@@ -143,15 +202,56 @@ void Kick<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
     particles.velocity += simulation.momentum_change / particles.mass;
 }
 
+template <int d, class Potential>
+void Verlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const {
+    auto& particles = simulation.particles;
+    auto const& box = simulation.box;
+    auto& stress = simulation.stage_stress;
+    double const span = simulation.time_step / double(substeps);
+    double const kick = 0.5 * span / particles.mass;
+    stress.kinetic = stress.potential = 0.0;
+    for (std::uint64_t s = 0; s < substeps; ++s) {
+        particles.velocity += kick * forces(simulation, potential);
+        if (stress.wanted) {
+            stress.potential += 0.5 * simulation.virial_xy;
+            stress.kinetic += kinetic_stress(particles, box, span);
+        }
+        stream(simulation, span,
+               (double(simulation.step) + double(s + 1) / double(substeps)) * simulation.time_step);
+        particles.velocity += kick * forces(simulation, potential);
+        if (stress.wanted) stress.potential += 0.5 * simulation.virial_xy;
+    }
+    stress.kinetic /= double(substeps);
+    stress.potential /= -double(substeps) * box.volume();
+    stress.streamed = true;
+}
+
+template <int d>
+void BodyForce<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
+    auto& particles = simulation.particles;
+    double const kick = acceleration * simulation.time_step, middle = 0.5 * simulation.box.length[1];
+    if (opposed)
+        particles.velocity.col(0) += (particles.position.col(1) < middle)
+                                         .select(kick, Eigen::ArrayXd::Constant(particles.size(), -kick));
+    else
+        particles.velocity.col(0) += kick;
+}
+
 template struct Drift<2>;
 template struct Drift<3>;
 template struct Scatter<2>;
 template struct Scatter<3>;
 template struct Shardlow<2>;
 template struct Shardlow<3>;
+template struct Lowe<2>;
+template struct Lowe<3>;
 template struct EulerImpulses<2>;
 template struct EulerImpulses<3>;
 template struct Kick<2>;
 template struct Kick<3>;
+template struct Verlet<2, Soft>;
+template struct Verlet<3, Soft>;
+template struct BodyForce<2>;
+template struct BodyForce<3>;
 
 }  // namespace dpd

@@ -2,6 +2,8 @@
 /// The stages of a time step. Each mirrors an equation; a scene lists the ones it wants, in order.
 #pragma once
 
+#include "potential.hpp"
+#include "scheme.hpp"
 #include "simulation.hpp"
 #include "weight.hpp"
 
@@ -21,16 +23,30 @@ struct Scatter {
     void operator()(Simulation<d>& simulation, NoiseKey key) const;
 };
 
-/// Shardlow's S1 splitting: pair after pair, the exact implicit update of friction and noise.
-/// @eq{NG2007,4} @eq{NG2007,5}
+/// Pair after pair, friction and noise of one step: S1 and its relatives. @eq{NG2007,4} @eq{NG2007,5}
 template <int d>
 struct Shardlow {
     double friction = 1.0;  ///< gamma: the friction is gamma*weight(r/cutoff), mass per time
     Weight weight = Weight::linear;
+    Scheme scheme = Scheme::shardlow;
     double cutoff = 1.0;
     double kT = 1.0;
     void operator()(Simulation<d>& simulation, NoiseKey key) const;
 };
+
+/// Lowe-Andersen: a pair draws a new relative velocity along its line, A = 1/2, with probability rate*dt.
+/// @eq{NG2007,6} Above one per step: as many whole sweeps over all pairs as rate*dt has ones, then one in
+/// which each pair is updated with the probability that remains.
+template <int d>
+struct Lowe {
+    double rate = 1.0;  ///< Gamma: updates of a pair per time
+    double cutoff = 1.0;
+    double kT = 1.0;
+    void operator()(Simulation<d>& simulation, NoiseKey key) const;
+};
+
+/// Most sweeps over the pairs in one Lowe step.
+inline constexpr double most_sweeps = 100.0;
 
 /// Euler impulses of friction and noise, all from the velocities at the start of the step; they wait in
 /// `momentum_change` for the kick. @eq{MY1997,2}
@@ -52,11 +68,22 @@ struct Kick {
     void operator()(Simulation<d>& simulation, NoiseKey) const;
 };
 
-/// A(r) of the S1 update from w(r) dt/m. @eq{NG2007,5}
-constexpr double shardlow_a(double w_dt_over_m) { return w_dt_over_m / (1.0 + w_dt_over_m); }
+/// Velocity-Verlet with a conservative force, in `substeps` inner steps: the multiple time steps of NG2007,
+/// whose thermostat acts once per (outer) step. Leaves the forces at the new positions for the next step.
+template <int d, class Potential>
+struct Verlet {
+    Potential potential;
+    std::uint64_t substeps = 1;
+    void operator()(Simulation<d>& simulation, NoiseKey) const;
+};
 
-/// B = sqrt(A(1-A)/m), which keeps kT at any step and mass. NG2007, below eq. 5; the B printed in eq. 5 lacks
-/// the factor 1/sqrt(m).
-inline double shardlow_b(double a, double mass) { return std::sqrt(a * (1.0 - a) / mass); }
+/// Accelerates along x: by `acceleration` everywhere, or by its opposite in the upper half of the box, which
+/// makes two opposite Poiseuille flows without walls.
+template <int d>
+struct BodyForce {
+    double acceleration = 0.0;
+    bool opposed = false;
+    void operator()(Simulation<d>& simulation, NoiseKey) const;
+};
 
 }  // namespace dpd

@@ -8,12 +8,12 @@
 ///
 /// Every function throws std::invalid_argument when d is neither 2 nor 3 or when a quantity it uses is not
 /// positive and finite, and std::domain_error when the equation has no answer there; none returns NaN.
-/// Only shardlow_A and shardlow_B, meant for inner loops, do not check (w >= 0, m > 0, dt > 0).
 #pragma once
 
 #include <functional>
 #include <optional>
 
+#include "scheme.hpp"
 #include "weight.hpp"
 
 namespace dpd::theory {
@@ -77,37 +77,43 @@ double critical_density(ExplicitDpd const& fluid, double dt);
 // ---------------------------------------------------------------------------------------------------------
 // Noguchi & Gompper 2007: transport coefficients of the ideal gas under pairwise thermostats
 
-/// Ideal gas (no conservative force, g(r) = 1).
+/// Density, mass, temperature and range: all that the thermostat's formulas need to know of a fluid.
 struct Gas {
     int d = 3;        ///< dimension of space
     double n = 0.0;   ///< number density, 1/length^d
     double m = 1.0;   ///< mass of a particle
     double kT = 1.0;  ///< energy
-    double rc = 1.0;  ///< range of the thermostat
+    double rc = 1.0;  ///< range of the thermostat and of the soft potential
 };
 
-/// Thermostat of Shardlow's S1 splitting with friction w(r) = gamma weight(r/rc), mass/time.
+/// Pairwise thermostat of the generalized Lowe family with friction w(r) = gamma weight(r/rc), mass/time. Its
+/// A(r) and B(r) at a = w(r) dt/m are update_a and update_b of scheme.hpp. @eq{NG2007,5}
+/// With Scheme::linear, A = a, a form at finite step throws std::domain_error for gamma dt/m > 1.
 struct Shardlow {
     double gamma = 0.0;  ///< friction where the weight is 1
     Weight weight = Weight::linear;
+    Scheme scheme = Scheme::shardlow;  ///< the limits dt -> 0 do not depend on it
 };
 
 /// Lowe-Andersen thermostat: a pair within range draws a new relative velocity with probability Gamma dt per
-/// step. Above Gamma dt = 1 the forms are continued with Gamma dt as the mean number of updates of a pair
-/// per step, each taken as independent of the ones before: that is the line of NG2007 fig. 2, and NG2007
-/// says that it then overestimates the collision viscosity, because a pair updated twice forgets the shear
-/// at the first update.
+/// step. Gamma dt = k + p above 1 stands for k whole sweeps over all pairs and one more in which each pair is
+/// updated with probability p, all at the same positions. The forms go on with Gamma dt in their exponents as
+/// if every update were with a new partner: that is the line of NG2007 fig. 2. A second sweep meets the same
+/// partners, so above 1 collision_viscosity comes out too large and velocity_retention too small (bounds in
+/// theory/NG2007.md); for stress_retention the same is expected, not proved.
 struct Lowe {
     double Gamma = 0.0;  ///< rate, 1/time
 };
 
-/// A of a pair whose friction is w (mass/time): the new relative velocity along the line of centres is
-/// (1 - 2A) times the old one, plus noise. In [0, 1). @eq{NG2007,5}
-double shardlow_A(double w, double m, double dt);
-
-/// B of that pair: the noise added to v_i is B xi, xi of variance 2 kT. B = sqrt(A (1 - A)/m) keeps kT.
-/// Unit mass^(-1/2). @eq{NG2007,5} as printed lacks this 1/sqrt(m), see theory/NG2007.md.
-double shardlow_B(double w, double m, double dt);
+/// Pair distribution g(r), a function of the distance in (0, rc). An empty one stands for g = 1, the ideal
+/// gas.
+///
+/// It may have steps (a histogram): the integrals with a g use a fixed rule, 7 Gauss points in each of 1000
+/// equal parts of the range, thus 7000 calls. Relative error below 1e-8 for a smooth g and gamma dt/m up to
+/// 100 (1e-5 with the root weight, whose slope at rc is infinite), also with steps at multiples of rc/1000; a
+/// step elsewhere adds less than that step over 1/1000 of the range. Without a g the error is 1e-12. Throws
+/// std::invalid_argument where g is negative or not finite.
+using PairDistribution = std::function<double(double)>;
 
 /// s, the factor by which the collisions of one step multiply \f$\langle v_xv_y\rangle\f$. @eq{NG2007,9}
 /// exp(n [-2A/d + 4A^2/(d(d+2))]), in (0, 1). Does not use kT.
@@ -127,8 +133,9 @@ double kinetic_viscosity_limit(Gas const& gas, Shardlow const& thermostat);
 /// b = 3/8 for d = 2 (NG2007 prints 1/2) and 16/45 for d = 3.
 double kinetic_viscosity_limit(Gas const& gas, Lowe const& thermostat);
 
-/// Collision viscosity (n^2/2) [A m r^2/(dt d (d+2))]. @eq{NG2007,12} Does not use kT.
-double collision_viscosity(Gas const& gas, Shardlow const& thermostat, double dt);
+/// Collision viscosity (n^2/2) [A m r^2 g/(dt d (d+2))]. @eq{NG2007,12} Does not use kT.
+double collision_viscosity(Gas const& gas, Shardlow const& thermostat, double dt,
+                           PairDistribution const& g = {});
 /// The same for Lowe-Andersen, pi m n^2 Gamma rc^4/64 (d = 2) and pi m n^2 Gamma rc^5/75 (d = 3); it does
 /// not depend on dt.
 double collision_viscosity(Gas const& gas, Lowe const& thermostat);
@@ -142,6 +149,11 @@ double velocity_retention(Gas const& gas, Shardlow const& thermostat, double dt)
 /// The same for Lowe-Andersen, exp(-n V_d rc^d Gamma dt/(2 d)).
 double velocity_retention(Gas const& gas, Lowe const& thermostat, double dt);
 
+/// Velocity autocorrelation \f$\langle v_x(t)v_x(0)\rangle\f$ of the ideal gas under molecular chaos,
+/// (kT/m) velocity_retention^(t/dt): exact there at whole steps, an exponential through them between.
+/// @eq{NG2007,17} (the line above it). Unit length^2/time^2. t >= 0.
+double velocity_autocorrelation(Gas const& gas, Shardlow const& thermostat, double dt, double t);
+
 /// Self-diffusion constant (kT dt/m) (1/(1 - exp(-n [A]/d)) - 1/2). @eq{NG2007,17}
 /// Unit length^2/time.
 double diffusion_constant(Gas const& gas, Shardlow const& thermostat, double dt);
@@ -153,11 +165,56 @@ double diffusion_constant_limit(Gas const& gas, Shardlow const& thermostat);
 /// Self-diffusion constant for dt -> 0 at a fixed rate, 2 d kT/(m n V_d rc^d Gamma).
 double diffusion_constant_limit(Gas const& gas, Lowe const& thermostat);
 
+/// Schmidt number of the ideal gas, (kinetic + collision viscosity)/(n m D). @eq{NG2007,17}
+/// Where the kinetic part rules and dt -> 0 it is 1/2, see theory/NG2007.md.
+double schmidt_number(Gas const& gas, Shardlow const& thermostat, double dt);
+/// The same for Lowe-Andersen; there that limit is (d+2)/(2(d+1)), 2/3 or 5/8.
+double schmidt_number(Gas const& gas, Lowe const& thermostat, double dt);
+
+// ---------------------------------------------------------------------------------------------------------
+// Noguchi & Gompper 2007: the fluid with a soft potential
+
+/// Soft repulsion U = (a kT/2)(1 - r/rc)^2 of a pair within the range rc of the gas. @eq{NG2007,3}
+struct Soft {
+    double a = 0.0;  ///< strength in units of kT
+};
+
+/// phi_DPD = n [w g]/(d m), the rate at which the thermostat takes away a velocity for dt -> 0; the stress
+/// \f$\langle v_xv_y\rangle\f$ decays twice as fast. @eq{NG2007,13} (below it). Unit 1/time. Does not use kT.
+double relaxation_rate(Gas const& gas, Shardlow const& thermostat, PairDistribution const& g = {});
+
+/// Kinetic viscosity n kT/(2 (phi_pot + phi_dpd)) from the two relaxation rates. @eq{NG2007,14}
+/// The rates may be any two numbers whose sum is positive (a phi_pot fitted to noisy data may be negative);
+/// otherwise throws std::domain_error.
+double kinetic_viscosity(double n, double kT, double phi_pot, double phi_dpd);
+
+/// Potential viscosity of forces that act like a friction of rate phi_pot (any finite number),
+/// n m phi_pot [|f| r^2 g]/(2 (d+2) [|f| g]), f = -dU/dr. @eq{NG2007,16}
+/// The strength a must be positive, but has no other effect than the one it has on g; kT has none.
+/// Throws std::domain_error when no pair is in range ([|f| g] = 0).
+double potential_viscosity(Gas const& gas, Soft const& potential, double phi_pot,
+                           PairDistribution const& g = {});
+/// phi_pot that gives the potential viscosity eta_pot (any finite number): the equation above solved for it.
+/// @eq{NG2007,16} Unit 1/time.
+double potential_relaxation_rate(Gas const& gas, Soft const& potential, double eta_pot,
+                                 PairDistribution const& g = {});
+
 // ---------------------------------------------------------------------------------------------------------
 
 /// What to add to the diffusion constant measured in a periodic cube of side L to reach L -> infinity,
 /// 2.837297 kT/(6 pi eta L); eta is the shear viscosity. Three dimensions only.
+/// For liquids, D << eta/(n m); in a gas pass eta + n m D for eta, see theory/NG2007.md.
 /// Duenweg & Kremer, J. Chem. Phys. 99 (1993) 6983; Yeh & Hummer, J. Phys. Chem. B 108 (2004) 15873.
 double diffusion_finite_size_correction(double kT, double eta, double L);
+
+/// Velocity autocorrelation \f$\langle v_x(t)v_x(0)\rangle\f$ of a particle at long times, infinite fluid:
+/// ((d-1)/d) (kT/(n m)) (4 pi (eta/(n m) + D) t)^(-d/2), the momentum it has given to the fluid around it.
+/// Unit length^2/time^2. Alder & Wainwright, Phys. Rev. A 1 (1970) 18; Ernst, Hauge & van Leeuwen, Phys. Rev.
+/// Lett. 25 (1970) 1254. Uses d, n, m, kT. In two dimensions eta and D themselves grow slowly with time, so
+/// that it is no limit but holds while they can be taken as constant.
+double velocity_autocorrelation_tail(Gas const& gas, double eta, double D, double t);
+/// The same in a periodic square or cube of side L at zero total momentum:
+/// ((d-1)/d) (kT/(n m L^d)) sum over wave vectors k != 0 of exp(-(eta/(n m) + D) k^2 t).
+double velocity_autocorrelation_tail_in_box(Gas const& gas, double eta, double D, double L, double t);
 
 }  // namespace dpd::theory

@@ -9,9 +9,11 @@
 namespace dpd::theory {
 namespace {
 
+constexpr std::string_view scheme_names = "shardlow, exponential, linear";
+constexpr std::string_view zero_or_more = ">= 0";
 constexpr std::string_view random_weight_names = "matched, constant, linear, quadratic, parabolic, root";
 
-constexpr std::array<Parameter, 13> all_parameters{{
+constexpr std::array<Parameter, 19> all_parameters{{
     {"d", "dimension of space", "3", "2 or 3"},
     {"n", "number density", std::nullopt, "> 0"},
     {"m", "mass of a particle", "1", "> 0"},
@@ -21,11 +23,17 @@ constexpr std::array<Parameter, 13> all_parameters{{
     {"rc", "cutoff radius", "1", "> 0"},
     {"dt", "time step", std::nullopt, "> 0"},
     {"Gamma", "Lowe-Andersen rate, updates of a pair per unit time", std::nullopt, "> 0"},
-    {"L", "side of the periodic cube", std::nullopt, "> 0"},
+    {"L", "side of the periodic cube or square", std::nullopt, "> 0"},
     {"eta", "shear viscosity", std::nullopt, "> 0"},
+    {"D", "self-diffusion constant", std::nullopt, "> 0"},
+    {"t", "time", std::nullopt, "> 0"},
+    {"phi_pot", "relaxation rate of a velocity by the potential", std::nullopt, zero_or_more},
+    {"phi_dpd", "relaxation rate of a velocity by the thermostat", std::nullopt, zero_or_more},
+    {"a", "strength of the soft potential, in units of kT", std::nullopt, "> 0"},
     {"weight", "weight function of the friction", "linear", weight_names},
     {"random_weight", "weight function of the noise; matched: its square is the weight of the friction",
      "matched", random_weight_names},
+    {"scheme", "update of a pair: its A as a function of w dt/m", "shardlow", scheme_names},
 }};
 
 std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
@@ -66,7 +74,9 @@ ExplicitDpd explicit_dpd(Arguments const& a, double n, double sigma) {
             .random_weight = a.random_weight()};
 }
 
-Shardlow shardlow(Arguments const& a) { return {.gamma = a["gamma"], .weight = a.weight()}; }
+Shardlow shardlow(Arguments const& a) {
+    return {.gamma = a["gamma"], .weight = a.weight(), .scheme = a.scheme()};
+}
 Lowe lowe(Arguments const& a) { return {.Gamma = a["Gamma"]}; }
 
 /// A quantity of the gas that the equation does not use may be any positive number.
@@ -149,7 +159,7 @@ std::vector<ClosedForm> const& all_forms() {
          "8",
          "kinetic viscosity",
          "n kT dt (1/(1 - s) - 1/2)",
-         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight"},
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "scheme"},
          {},
          [](Arguments const& a) {
              return kinetic_viscosity(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);
@@ -159,7 +169,7 @@ std::vector<ClosedForm> const& all_forms() {
          "9",
          "s, factor on <v_x v_y> per step",
          "exp(n [-2A/d + 4A^2/(d(d+2))])",
-         {"d", "n", "m", "gamma", "rc", "dt", "weight"},
+         {"d", "n", "m", "gamma", "rc", "dt", "weight", "scheme"},
          {"kT"},
          [](Arguments const& a) {
              return stress_retention(gas(a, a["n"], a["m"], unused), shardlow(a), a["dt"]);
@@ -170,7 +180,7 @@ std::vector<ClosedForm> const& all_forms() {
          "kinetic viscosity for dt -> 0",
          "d m kT/(2 [w])",
          {"d", "m", "kT", "gamma", "rc", "weight"},
-         {"n", "dt"},
+         {"n", "dt", "scheme"},
          [](Arguments const& a) {
              return kinetic_viscosity_limit(gas(a, unused, a["m"], a["kT"]), shardlow(a));
          }},
@@ -178,8 +188,8 @@ std::vector<ClosedForm> const& all_forms() {
          "NG2007",
          "12",
          "collision viscosity",
-         "n^2/(2 d (d+2)) [w r^2/(1 + w dt/m)]",
-         {"d", "n", "m", "gamma", "rc", "dt", "weight"},
+         "m n^2/(2 d (d+2) dt) [A r^2], with shardlow n^2/(2 d (d+2)) [w r^2/(1 + w dt/m)]",
+         {"d", "n", "m", "gamma", "rc", "dt", "weight", "scheme"},
          {"kT"},
          [](Arguments const& a) {
              return collision_viscosity(gas(a, a["n"], a["m"], unused), shardlow(a), a["dt"]);
@@ -190,7 +200,7 @@ std::vector<ClosedForm> const& all_forms() {
          "collision viscosity for dt -> 0",
          "n^2/(2 d (d+2)) [w r^2]",
          {"d", "n", "gamma", "rc", "weight"},
-         {"m", "kT", "dt"},
+         {"m", "kT", "dt", "scheme"},
          [](Arguments const& a) {
              return collision_viscosity_limit(gas(a, a["n"], unused, unused), shardlow(a));
          }},
@@ -199,7 +209,7 @@ std::vector<ClosedForm> const& all_forms() {
          "17",
          "self-diffusion constant",
          "(kT dt/m) (1/(1 - exp(-n [A]/d)) - 1/2)",
-         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight"},
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "scheme"},
          {},
          [](Arguments const& a) {
              return diffusion_constant(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);
@@ -210,7 +220,7 @@ std::vector<ClosedForm> const& all_forms() {
          "self-diffusion constant for dt -> 0",
          "d kT/(n [w])",
          {"d", "n", "kT", "gamma", "rc", "weight"},
-         {"m", "dt"},
+         {"m", "dt", "scheme"},
          [](Arguments const& a) {
              return diffusion_constant_limit(gas(a, a["n"], unused, a["kT"]), shardlow(a));
          }},
@@ -251,6 +261,63 @@ std::vector<ClosedForm> const& all_forms() {
          {},
          [](Arguments const& a) {
              return diffusion_constant(gas(a, a["n"], a["m"], a["kT"]), lowe(a), a["dt"]);
+         }},
+        {"ng14",
+         "NG2007",
+         "14",
+         "kinetic viscosity from two relaxation rates",
+         "n kT/(2 (phi_pot + phi_dpd))",
+         {"n", "kT", "phi_pot", "phi_dpd"},
+         {"d", "m"},
+         [](Arguments const& a) { return kinetic_viscosity(a["n"], a["kT"], a["phi_pot"], a["phi_dpd"]); }},
+        {"ng16",
+         "NG2007",
+         "16",
+         "potential viscosity of the soft potential with g = 1",
+         "n m phi_pot [|f| r^2]/(2 (d+2) [|f|]), f = a kT/rc (1 - r/rc)",
+         {"d", "n", "m", "phi_pot", "rc"},
+         {"a", "kT"},
+         [](Arguments const& a) {
+             return potential_viscosity(gas(a, a["n"], a["m"], unused), {.a = unused}, a["phi_pot"]);
+         }},
+        {"ng-phi",
+         "NG2007",
+         "13, below",
+         "phi_DPD, relaxation rate of a velocity for dt -> 0 with g = 1",
+         "n [w]/(d m)",
+         {"d", "n", "m", "gamma", "rc", "weight"},
+         {"kT", "dt", "scheme"},
+         [](Arguments const& a) { return relaxation_rate(gas(a, a["n"], a["m"], unused), shardlow(a)); }},
+        {"ng-schmidt",
+         "NG2007",
+         "8, 12, 17",
+         "Schmidt number of the ideal gas",
+         "(eta_kin + eta_col)/(n m D)",
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "scheme"},
+         {},
+         [](Arguments const& a) {
+             return schmidt_number(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);
+         }},
+        {"vacf-tail",
+         "Ernst et al. 1970",
+         "tail",
+         "velocity autocorrelation per component at long times",
+         "((d-1)/d) (kT/(n m)) (4 pi (eta/(n m) + D) t)^(-d/2)",
+         {"d", "n", "m", "kT", "eta", "D", "t"},
+         {},
+         [](Arguments const& a) {
+             return velocity_autocorrelation_tail(gas(a, a["n"], a["m"], a["kT"]), a["eta"], a["D"], a["t"]);
+         }},
+        {"vacf-tail-box",
+         "Ernst et al. 1970",
+         "tail in a box",
+         "the same in a periodic cube or square at zero total momentum",
+         "((d-1)/d) (kT/(n m L^d)) sum over k != 0 of exp(-(eta/(n m) + D) k^2 t)",
+         {"d", "n", "m", "kT", "eta", "D", "L", "t"},
+         {},
+         [](Arguments const& a) {
+             return velocity_autocorrelation_tail_in_box(gas(a, a["n"], a["m"], a["kT"]), a["eta"], a["D"],
+                                                         a["L"], a["t"]);
          }},
         {"yeh-hummer",
          "Yeh & Hummer 2004",
@@ -316,8 +383,15 @@ void Arguments::set(Parameter const& parameter, std::string_view text) {
             random_weight_ = weight;
         return;
     }
+    if (parameter.name == "scheme") {
+        auto const scheme = scheme_from_name(text);
+        if (!scheme) refuse(parameter, text);
+        scheme_ = *scheme;
+        return;
+    }
     auto const value = number_from(text);
-    if (!value || *value <= 0.0) refuse(parameter, text);
+    if (!value || *value < 0.0 || (*value == 0.0 && parameter.allowed != zero_or_more))
+        refuse(parameter, text);
     if (parameter.name == "d" && *value != 2.0 && *value != 3.0) refuse(parameter, text);
     numbers_[parameter.name] = *value;
 }

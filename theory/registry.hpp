@@ -52,6 +52,7 @@ public:
     double operator[](std::string_view name) const;
     int d() const { return static_cast<int>((*this)["d"]); }
     Weight weight() const { return weight_; }
+    Scheme scheme() const { return scheme_; }
     /// w_R, or nothing when it is matched (w_R^2 = w_D).
     std::optional<Weight> random_weight() const { return random_weight_; }
 
@@ -60,6 +61,7 @@ private:
 
     std::map<std::string_view, double> numbers_;
     Weight weight_ = Weight::linear;
+    Scheme scheme_ = Scheme::shardlow;
     std::optional<Weight> random_weight_;
 };
 

@@ -540,9 +540,9 @@ BOOST_AUTO_TEST_CASE(retention_factors_are_exact_for_random_partners) {
             if (i == j) continue;
             Eigen::Vector3d e(gauss(random), gauss(random), gauss(random));
             e.normalize();
-            double const w = gamma * (1.0 - std::cbrt(flat(random))), a = shardlow_a(w * dt);
+            double const w = gamma * (1.0 - std::cbrt(flat(random))), a = update_a<Scheme::shardlow>(w * dt);
             double const change =
-                -a * (v[i] - v[j]).dot(e) + shardlow_b(a, 1.0) * std::sqrt(2.0) * gauss(random);
+                -a * (v[i] - v[j]).dot(e) + update_b(a, 1.0) * std::sqrt(2.0) * gauss(random);
             v[i] += change * e;
             v[j] -= change * e;
         }
