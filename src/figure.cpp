@@ -83,12 +83,12 @@ std::vector<Criterion> read_criteria(TomlReader& reader) {
         criterion.resolution = table.number("resolution", 0.01, positive);
         table.finish();
         bool const known = criterion.theory == "value" || criterion.theory.starts_with("curve:") ||
-                           criterion.theory.starts_with("quantity:") ||
+                           criterion.theory.starts_with("quantity:") || criterion.theory == "previous" ||
                            theory::find(criterion.theory) != nullptr;
         if (!known)
-            table.fail(
-                "theory",
-                "is no closed form; allowed: an id of `dpdref theory`, curve:NAME, quantity:NAME, value");
+            table.fail("theory",
+                       "is no closed form; allowed: an id of `dpdref theory`, curve:NAME, quantity:NAME, "
+                       "previous, value");
         criteria.push_back(criterion);
     }
     return criteria;
@@ -282,20 +282,19 @@ void join(std::string const& name, std::vector<FigureCurve> const& curves, std::
 
 void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     struct Job {
-        Point* point;
-        std::size_t run;
+        Scene const* scene;
         double cost;
         double done = 0.0;
+        RunResult result{};
     };
     std::filesystem::create_directories(options.cache);
+    // scenes that several points share run once
+    std::map<std::string, Scene const*> scenes;
+    for (auto const& figure : figures)
+        for (auto const& point : figure.points)
+            for (auto const& scene : point.runs) scenes.emplace(scene.key(), &scene);
     std::vector<Job> jobs;
-    std::map<Point*, std::vector<Record>> records;
-    for (auto& figure : figures)
-        for (auto& point : figure.points) {
-            records[&point].resize(point.runs.size());
-            for (std::size_t run = 0; run < point.runs.size(); ++run)
-                jobs.push_back({&point, run, cost_of(point.runs[run])});
-        }
+    for (auto const& [key, scene] : scenes) jobs.push_back({scene, cost_of(*scene)});
     std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
     double total = 0.0;
     for (auto const& job : jobs) total += job.cost;
@@ -310,7 +309,7 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
         for (std::size_t index = next++; index < jobs.size(); index = next++) {
             if (stop || (options.stop && *options.stop)) return;
             Job& job = jobs[index];
-            Scene const& scene = job.point->runs[job.run];
+            Scene const& scene = *job.scene;
             try {
                 RunOptions run_options;
                 run_options.output = options.cache / (scene.key() + ".h5");
@@ -321,10 +320,7 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
                     job.done = fraction;
                     progress(done / total);
                 };
-                RunResult result = run(scene, run_options);
-                std::scoped_lock const lock(mutex);
-                job.point->seconds += result.seconds;
-                records[job.point][job.run] = std::move(result.record);
+                job.result = run(scene, run_options);
             } catch (...) {
                 std::scoped_lock const lock(mutex);
                 if (!failure) failure = std::current_exception();
@@ -339,15 +335,23 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     if (failure) std::rethrow_exception(failure);
     if (options.stop && *options.stop)
         throw Interrupted("interrupted; finished runs are kept, run the command again to go on");
+    std::map<std::string, RunResult const*> results;
+    for (auto const& job : jobs) results[job.scene->key()] = &job.result;
     for (auto& figure : figures) {
         std::vector<Point> points;
         for (auto& point : figure.points) {
-            point.quantities = analyze(point.runs.front(), records[&point]);
+            std::vector<Record> records;
+            for (auto const& scene : point.runs) {
+                auto const& result = *results.at(scene.key());
+                records.push_back(result.record);
+                point.seconds += result.seconds;
+            }
+            point.quantities = analyze(point.runs.front(), records);
             auto const& curve = figure.curves[point.curve];
             if (curve.record.empty())
                 points.push_back(point);
             else
-                append_bins(points, curve, point, records[&point]);
+                append_bins(points, curve, point, records);
         }
         for (auto& point : points) join(figure.curves[point.curve].join, figure.curves, points, point);
         figure.points = std::move(points);
@@ -356,8 +360,10 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
 
 std::vector<Comparison> compare(Figure const& figure) {
     std::vector<Comparison> comparisons;
-    for (auto const& point : figure.points) {
+    for (std::size_t p = 0; p < figure.points.size(); ++p) {
+        auto const& point = figure.points[p];
         auto const& curve = figure.curves[point.curve];
+        bool const first = p == 0 || figure.points[p - 1].curve != point.curve;
         for (auto const& criterion : curve.criteria) {
             Quantity const* const quantity = find_quantity(point.quantities, criterion.quantity);
             if (!quantity)
@@ -369,7 +375,13 @@ std::vector<Comparison> compare(Figure const& figure) {
             comparison.estimate = quantity->estimate;
             comparison.runs = point.runs.size();
             comparison.seconds = point.seconds;
-            if (criterion.theory == "value") {
+            if (criterion.theory == "previous") {
+                if (first) continue;
+                auto const& previous =
+                    find_quantity(figure.points[p - 1].quantities, criterion.quantity)->estimate;
+                comparison.theory = previous.value;
+                comparison.theory_error = previous.error;
+            } else if (criterion.theory == "value") {
                 comparison.theory = criterion.value;
             } else if (criterion.theory.starts_with("curve:")) {
                 auto const others =
@@ -596,6 +608,17 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
         "seconds\n\n\n",
         figure.paper, figure.number, budget, version, engine_revision, seconds);
     for (auto const& name : order) text += fmt::format("# {}\n{}\n\n", name, blocks[name]);
+    // everything measured, compared or not: x, value, standard error
+    for (std::size_t c = 0; c < figure.curves.size(); ++c) {
+        std::map<std::string, std::string> measured;
+        for (auto const& point : figure.points)
+            if (point.curve == c)
+                for (auto const& [quantity, estimate] : point.quantities)
+                    measured[quantity] +=
+                        fmt::format("{:.10g} {:.10g} {:.4g}\n", point.x, estimate.value, estimate.error);
+        for (auto const& [quantity, rows] : measured)
+            text += fmt::format("# {}:{}\n{}\n\n", figure.curves[c].name, quantity, rows);
+    }
     write_file(data, text);
     write_file(lines, theory_lines(figure));
 

@@ -31,7 +31,7 @@ struct Rescale {
     double kT = 1.0;
     double cell = 1.0;            ///< side of a cell; divides the sides of the box
     std::uint64_t thickness = 1;  ///< of a layer, in cells
-    double amplitude = 0.1;       ///< c: factors of `monte_carlo` lie in [1/(1+c), 1+c]
+    double amplitude = 0.3;       ///< c: factors of `monte_carlo` lie in [1/(1+c), 1+c]
     void operator()(Simulation<d>& simulation, NoiseKey key);
 
 private:

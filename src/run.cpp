@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "stages.hpp"
 #include "storage.hpp"
@@ -79,6 +80,7 @@ void archive_state(Archive& archive, Simulation<d>& simulation) {
     archive("checkpoint/stress/streamed", streamed);
     archive("checkpoint/stress/kinetic", stress.kinetic);
     archive("checkpoint/stress/potential", stress.potential);
+    archive("checkpoint/stress/rescaling", stress.rescaling);
     stress.streamed = streamed != 0;
 
     // pairs are found again as they were; forces are kept
@@ -320,6 +322,27 @@ double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double she
     return (centred * mean).sum() / centred.square().sum() / shear_rate;
 }
 
+// kT in bins of y, one value per block: what flows, imposed or not, is not heat.
+std::vector<Curve> temperature_profiles(Scene const& scene, std::vector<Record> const& records) {
+    std::vector<Curve> profiles;
+    auto const velocities = curves_of(records, "velocity_profile");
+    for (Curve const* const square : curves_of(records, "velocity_squared_profile")) {
+        Curve const& velocity = *velocities[profiles.size()];
+        Curve profile = *square;
+        Eigen::Map<Eigen::ArrayXd const> const y(profile.x.data(), profile.sum.rows());
+        for (Eigen::Index block = 0; block < profile.sum.cols(); ++block) {
+            Eigen::ArrayXd const flow = velocity.sum.col(block) / velocity.weight.col(block) -
+                                        scene.shear_rate * (y - 0.5 * scene.length[1]);
+            profile.sum.col(block) = scene.mass / scene.dimension *
+                                     (profile.sum.col(block) / profile.weight.col(block) - flow.square());
+            profile.weight.col(block) = (profile.weight.col(block) > 0.0).cast<double>();
+        }
+        profile.sum = (profile.weight > 0.0).select(profile.sum, 0.0);
+        profiles.push_back(std::move(profile));
+    }
+    return profiles;
+}
+
 // What theory makes of a measured g(r): the relaxation rate of friction, the collision viscosity, and the
 // potential viscosity that goes with a relaxation rate of one. @eq{NG2007,12} @eq{NG2007,14} @eq{NG2007,16}
 template <class Add>
@@ -455,13 +478,21 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
             return (mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1]) * (curve.x[1] - curve.x[0]) /
                    components;
         }));
-    // 1 if the velocity autocorrelation is exponential: its integral times its rate over the first lag
-    add("exponentiality",
+    // first moment over the square of the integral: 1 for an exponential
+    add("correlation_moment",
         by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
+            Eigen::Map<Eigen::ArrayXd const> const t(curve.x.data(), mean.size());
             double const integral = mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1];
-            double const ratio = mean[1] / mean[0];  // the trapezium rule's sum of the powers of it follows
-            static_cast<void>(curve);
-            return integral / mean[0] / (1.0 / (1.0 - ratio) - 0.5);
+            return mean[0] * (t * mean).sum() / (t[1] * integral * integral);
+        }));
+    std::vector<Curve> const temperatures = temperature_profiles(scene, records);
+    std::vector<Curve const*> profiles;
+    for (auto const& profile : temperatures) profiles.push_back(&profile);
+    add("profile_temperature", by_block(profiles, [](auto const&, auto const& mean) { return mean.mean(); }));
+    // share of cos(4 pi y/L), along which two opposed flows dissipate
+    add("temperature_modulation", by_block(profiles, [&](auto const& curve, auto const& mean) {
+            Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
+            return 2.0 * (mean * (4.0 * std::numbers::pi / scene.length[1] * y).cos()).mean() / mean.mean();
         }));
     add_integrals_of_g(scene, records, add);
     return quantities;
@@ -529,28 +560,21 @@ void derive_at_lag(Scene const& scene, std::vector<Quantity>& quantities, double
 }
 
 CurveEstimate curve_of(Scene const& scene, std::vector<Record> const& records, std::string const& name) {
-    bool const temperature = name == "temperature_profile";
-    auto const curves = curves_of(records, temperature ? "velocity_squared_profile" : name);
+    std::vector<Curve> const temperatures =
+        name == "temperature_profile" ? temperature_profiles(scene, records) : std::vector<Curve>{};
+    auto curves = curves_of(records, name);
+    for (auto const& profile : temperatures) curves.push_back(&profile);
     CurveEstimate result;
     if (curves.empty()) return result;
     result.x = curves.front()->x;
-    auto const velocities = curves_of(records, "velocity_profile");
-    double const components = scene.shear_rate != 0.0 ? scene.dimension - 1 : scene.dimension;
+    double const components = name != "velocity_autocorrelation" ? 1.0
+                              : scene.shear_rate != 0.0          ? scene.dimension - 1
+                                                                 : scene.dimension;
     for (std::size_t bin = 0; bin < result.x.size(); ++bin) {
         std::vector<double> values;
-        for (std::size_t c = 0; c < curves.size(); ++c) {
-            auto means = curves[c]->block_means(Eigen::Index(bin));
-            if (temperature) {
-                // what flows beyond the imposed shear is not heat
-                auto const flow = velocities[c]->block_means(Eigen::Index(bin));
-                double const imposed = scene.shear_rate * (result.x[bin] - 0.5 * scene.length[1]);
-                for (std::size_t b = 0; b < means.size(); ++b)
-                    means[b] = scene.mass * (means[b] - std::pow(flow[b] - imposed, 2)) / scene.dimension;
-            }
-            if (name == "velocity_autocorrelation")
-                for (double& mean : means) mean /= components;
-            values.insert(values.end(), means.begin(), means.end());
-        }
+        for (Curve const* const curve : curves)
+            for (double const mean : curve->block_means(Eigen::Index(bin)))
+                values.push_back(mean / components);
         result.y.push_back(independent(values));
     }
     return result;

@@ -197,7 +197,7 @@ void read_rescale(Scene& scene, TomlReader& reader) {
     p.kT = reader.number("kT", 1.0, positive);
     p.cell = reader.number("cell", 1.0, positive);
     p.thickness = reader.integer("thickness", 1, positive_integer);
-    p.amplitude = reader.number("amplitude", 0.1, positive);
+    p.amplitude = reader.number("amplitude", 0.3, positive);
     for (double const side : scene.length) {
         double const cells = side / p.cell;
         if (std::abs(cells - std::round(cells)) > 1e-9 * cells || cells < 0.5 || cells > 1e6)
@@ -307,8 +307,10 @@ void check_stages(Scene const& scene, TomlReader const& root) {
     auto const is_pair_thermostat = [](std::string const& stage) {
         return std::find(pair_thermostats.begin(), pair_thermostats.end(), stage) != pair_thermostats.end();
     };
-    bool const has_pair_thermostat =
-        std::any_of(scene.stages.begin(), scene.stages.end(), is_pair_thermostat);
+    auto const count = std::count_if(scene.stages.begin(), scene.stages.end(), is_pair_thermostat);
+    bool const has_pair_thermostat = count > 0;
+    if (scene.sample.stress && count > 1)
+        root.fail("stages", "have several pair thermostats; allowed with stress: one");
     if (scene.has_stage("verlet") && scene.has_stage("drift"))
         root.fail("stages", "has both verlet and drift; allowed: one of them moves the particles");
     if (scene.has_stage("verlet") && scene.sample.stress && scene.equilibration_steps == 0)

@@ -30,7 +30,7 @@ struct LoweParameters {
 
 struct RescaleParameters {
     Rescaling mode = Rescaling::global;
-    double kT = 1.0, cell = 1.0, amplitude = 0.1;
+    double kT = 1.0, cell = 1.0, amplitude = 0.3;
     std::uint64_t thickness = 1;
 };
 

@@ -15,12 +15,23 @@ constexpr std::uint64_t searches_per_sorting = 16;
 template <int d>
 PairList<d>& Simulation<d>::pairs() {
     if (pairs_of_step_) return pairs_;
-    if (counters.searches++ % searches_per_sorting == 0) pair_search.sort_particles(particles, box, time);
+    if (counters.searches++ % searches_per_sorting == 0) sort_particles();
     find_pairs_again(step);
     counters.pairs_found += pairs_.count;
     counters.boundary_pairs += pairs_.crossing.size();
     counters.coincident_pairs += pairs_.coincident;
     return pairs_;
+}
+
+template <int d>
+void Simulation<d>::sort_particles() {
+    auto const before = particles.id;
+    pair_search.sort_particles(particles, box, time);
+    if (momentum_change.rows() != particles.size()) return;
+    // impulses that wait for the kick move with their rows
+    Field<d> by_id(particles.size(), d);
+    for (Eigen::Index p = 0; p < before.size(); ++p) by_id.row(before[p]) = momentum_change.row(p);
+    for (Eigen::Index p = 0; p < before.size(); ++p) momentum_change.row(p) = by_id.row(particles.id[p]);
 }
 
 template <int d>

@@ -100,6 +100,7 @@ struct Simulation {
     std::size_t bytes() const;
 
 private:
+    void sort_particles();
     void check_divergence() const;
 
     PairList<d> pairs_;

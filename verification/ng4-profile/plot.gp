@@ -1,0 +1,2 @@
+set title "x"
+plot x
