@@ -13,6 +13,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -339,12 +340,14 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     for (auto const& job : jobs) results[job.scene->key()] = &job.result;
     for (auto& figure : figures) {
         std::vector<Point> points;
+        std::set<std::string> counted;
         for (auto& point : figure.points) {
             std::vector<Record> records;
             for (auto const& scene : point.runs) {
                 auto const& result = *results.at(scene.key());
                 records.push_back(result.record);
                 point.seconds += result.seconds;
+                if (counted.insert(scene.key()).second) figure.seconds += result.seconds;
             }
             point.quantities = analyze(point.runs.front(), records);
             auto const& curve = figure.curves[point.curve];
@@ -588,8 +591,7 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
     auto const data = output / "data" / (figure.id + ".dat");
     auto const lines = output / "data" / (figure.id + ".theory.dat");
 
-    double seconds = 0.0;
-    for (auto const& point : figure.points) seconds += point.seconds;
+    double const seconds = figure.seconds;
     std::map<std::string, std::string> blocks;
     std::vector<std::string> order;
     for (auto const& c : comparisons) {
@@ -617,7 +619,7 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
                     measured[quantity] +=
                         fmt::format("{:.10g} {:.10g} {:.4g}\n", point.x, estimate.value, estimate.error);
         for (auto const& [quantity, rows] : measured)
-            text += fmt::format("# {}:{}\n{}\n\n", figure.curves[c].name, quantity, rows);
+            text += fmt::format("# all:{}:{}\n{}\n\n", figure.curves[c].name, quantity, rows);
     }
     write_file(data, text);
     write_file(lines, theory_lines(figure));

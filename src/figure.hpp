@@ -79,6 +79,7 @@ struct Figure {
     std::filesystem::path directory;
     std::vector<FigureCurve> curves;
     std::vector<Point> points;
+    double seconds = 0.0;  ///< run time of all its scenes, each counted once
 };
 
 /// Reads verification/ID/figure.toml at a budget ("quick" or "paper"). InputError as for scenes.

@@ -1,2 +1,35 @@
-set title "x"
-plot x
+# Kinetic and collision viscosity of the Lowe-Andersen gas against the collision frequency.
+kin = ":kinetic_viscosity:ng8-lowe"; col = ":collision_viscosity:ng12-lowe"
+one = "dt=0.1"; two = "dt=1"; flat = "2D, dt=0.1"
+
+@upper
+set logscale xy
+set xrange [0.2:40]; set yrange [0.06:40]
+set ylabel "viscosity {/Symbol h}*" offset 0.5,0
+set key top left maxrows 3
+plot lines index one.kin using 1:2 with lines lw 2 lc rgb blue notitle, \
+     lines index two.kin using 1:2 with lines lw 2 lc rgb sky notitle, \
+     lines index one.col using 1:2 with lines lw 2 lc rgb red notitle, \
+     data index one.kin using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb blue title "kinetic, {/Symbol D}t* = 0.1", \
+     data index two.kin using 1:2:3 with yerrorbars pt 9 lw 1.5 lc rgb sky title "kinetic, {/Symbol D}t* = 1", \
+     data index one.col using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb red title "collision, {/Symbol D}t* = 0.1", \
+     data index two.col using 1:2:3 with yerrorbars pt 13 lw 1.5 lc rgb yellow title "collision, {/Symbol D}t* = 1", \
+     data index one." chaos".kin using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb blue notitle, \
+     data index one." chaos".col using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb red notitle, \
+     NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn"
+@lower
+set xlabel "collision frequency {/Symbol G}{/Symbol t}_0" offset 0,0.4
+set yrange [-60:60]
+set key bottom left maxrows 1 samplen 0.8
+plot 0 with lines lw 2 lc rgb grey notitle, \
+     data index one.kin using 1:(100*$5):(100*$6) with yerrorbars pt 7 lw 1.5 lc rgb blue notitle, \
+     data index two.kin using 1:(100*$5):(100*$6) with yerrorbars pt 9 lw 1.5 lc rgb sky notitle, \
+     data index one.col using 1:(100*$5):(100*$6) with yerrorbars pt 5 lw 1.5 lc rgb red notitle, \
+     data index two.col using 1:(100*$5):(100*$6) with yerrorbars pt 13 lw 1.5 lc rgb yellow notitle, \
+     data index one." chaos".kin using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb blue notitle, \
+     data index one." chaos".col using 1:(100*$5):(100*$6) with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb red notitle, \
+     data index two." chaos".kin using 1:(100*$5):(100*$6) with yerrorbars pt 8 ps 1.4 lw 1.5 lc rgb sky notitle, \
+     data index two." chaos".col using 1:(100*$5):(100*$6) with yerrorbars pt 12 ps 1.4 lw 1.5 lc rgb yellow notitle, \
+     data index flat." chaos".kin using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb green title "2D, redrawn, kinetic", \
+     data index flat." chaos".col using 1:(100*$5):(100*$6) with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb purple title "2D, redrawn, collision"
+@finish
