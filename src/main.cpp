@@ -49,7 +49,7 @@ void list_theory(bool json) {
                             {"formula", form.formula},
                             {"parameters", form.parameters}});
         else
-            fmt::print("{:<11} {:<8} {:<14} {:<32}{}\n", form.id, form.paper, form.equation, form.quantity,
+            fmt::print("{:<14} {:<8} {:<14} {:<32}{}\n", form.id, form.paper, form.equation, form.quantity,
                        parameters);
     }
     if (json) fmt::print("{}\n", list.dump(1));

@@ -1,5 +1,6 @@
 #include "closed_forms.hpp"
 
+#include <array>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <cmath>
@@ -145,6 +146,146 @@ double lattice_sum(double s) {
     // Poisson: the sum over all j equals sqrt(pi/s) times that at pi^2/s
     return s > pi ? from_one(s) : std::sqrt(pi / s) * (1.0 + from_one(pi * pi / s)) - 1.0;
 }
+
+/// F r of the force a (1 - r/rc), integrated over the pairs.
+double integral_of_force_times_distance(Gas const& gas, double a, PairDistribution const& g) {
+    require_positive({{"a", a}});
+    return integral_over_pairs(gas, g, [=, rc = gas.rc](double r) { return a * (1.0 - r / rc) * r; });
+}
+
+/// alpha a rc^4 n of Groot & Warren: what the repulsion adds to kT in p/n, and half of what it adds in dp/dn.
+double groot_warren_energy(Gas const& gas, double a, double alpha) {
+    require_positive({{"n", gas.n}, {"kT", gas.kT}, {"rc", gas.rc}, {"a", a}, {"alpha", alpha}});
+    if (gas.d != 3) throw std::domain_error("Groot and Warren's alpha was fitted for d = 3 only");
+    return alpha * a * square(square(gas.rc)) * gas.n;
+}
+
+void require_inside(double L, double z) {
+    require_positive({{"L", L}});
+    if (!(z >= 0.0 && z <= L)) throw std::invalid_argument("z must be between 0 and L");
+}
+
+/// (sigma/r)^6.
+double inverse_sixth(LennardJones const& lj, double r) {
+    double const square_ratio = square(lj.sigma / r);
+    return square_ratio * square_ratio * square_ratio;
+}
+double full_energy(LennardJones const& lj, double r) {
+    double const s6 = inverse_sixth(lj, r);
+    return 4.0 * lj.epsilon * s6 * (s6 - 1.0);
+}
+double full_force(LennardJones const& lj, double r) {
+    double const s6 = inverse_sixth(lj, r);
+    return 24.0 * lj.epsilon * s6 * (2.0 * s6 - 1.0) / r;
+}
+
+/// Whether r is inside the cut-off, after a check of the arguments.
+bool inside(LennardJones const& lj, double r) {
+    require_positive({{"epsilon", lj.epsilon}, {"sigma", lj.sigma}, {"r", r}});
+    if (!(lj.rc > 0.0)) throw std::invalid_argument("rc must be positive");
+    return r < lj.rc;
+}
+
+/// 8 pi epsilon sigma^3/3 and (sigma/rc)^3, which the corrections for the cut-off share.
+struct TailFactors {
+    double scale, s3;
+};
+TailFactors tail_factors(LennardJones const& lj, double n) {
+    require_positive({{"epsilon", lj.epsilon}, {"sigma", lj.sigma}, {"rc", lj.rc}, {"n", n}});
+    double const sigma3 = lj.sigma * lj.sigma * lj.sigma;
+    return {8.0 * std::numbers::pi / 3.0 * lj.epsilon * sigma3, sigma3 / (lj.rc * lj.rc * lj.rc)};
+}
+
+/// The equation of state of Kolafa & Nezbeda 1994: hard spheres of a diameter that depends on the
+/// temperature, a term that makes the second virial coefficient right, and a fitted polynomial.
+namespace kolafa_nezbeda {
+
+/// factor T^(half_power/2) n^density_power
+struct Term {
+    int half_power, density_power;
+    double factor;
+};
+
+constexpr double gamma = 1.92907278;
+
+constexpr std::array<Term, 4> diameter_terms{
+    {{-2, 0, 0.011117524}, {-1, 0, -0.076383859}, {0, 0, 1.080142248}, {1, 0, 0.000693129}}};
+constexpr double diameter_logarithm = -0.063920968;
+
+/// Second virial coefficient less that of the hard spheres.
+constexpr std::array<Term, 7> virial_terms{{{-7, 0, -0.58544978},
+                                            {-6, 0, 0.43102052},
+                                            {-5, 0, 0.87361369},
+                                            {-4, 0, -4.13749995},
+                                            {-3, 0, 2.90616279},
+                                            {-2, 0, -7.02181962},
+                                            {0, 0, 0.02459877}}};
+
+/// Helmholtz energy per particle.
+constexpr std::array<Term, 19> polynomial{{{0, 2, 2.01546797},
+                                           {0, 3, -28.17881636},
+                                           {0, 4, 28.28313847},
+                                           {0, 5, -10.42402873},
+                                           {-1, 2, -19.58371655},
+                                           {-1, 3, 75.62340289},
+                                           {-1, 4, -120.70586598},
+                                           {-1, 5, 93.92740328},
+                                           {-1, 6, -27.37737354},
+                                           {-2, 2, 29.34470520},
+                                           {-2, 3, -112.35356937},
+                                           {-2, 4, 170.64908980},
+                                           {-2, 5, -123.06669187},
+                                           {-2, 6, 34.42288969},
+                                           {-4, 2, -13.37031968},
+                                           {-4, 3, 65.38059570},
+                                           {-4, 4, -115.09233113},
+                                           {-4, 5, 88.91973082},
+                                           {-4, 6, -25.62099890}}};
+
+/// A sum of powers of T and T times its derivative.
+struct Value {
+    double value = 0.0, T_derivative = 0.0;
+};
+template <std::size_t size>
+Value sum_of_powers(std::array<Term, size> const& terms, double kT) {
+    Value sum;
+    for (auto const& term : terms) {
+        double const part = term.factor * std::pow(kT, 0.5 * term.half_power);
+        sum.value += part;
+        sum.T_derivative += 0.5 * term.half_power * part;
+    }
+    return sum;
+}
+
+Value diameter(double kT) {
+    auto sum = sum_of_powers(diameter_terms, kT);
+    sum.value += diameter_logarithm * std::log(kT);
+    sum.T_derivative += diameter_logarithm;
+    return sum;
+}
+
+/// Packing fraction of the hard spheres, after a check of the arguments.
+double packing(double n, double kT) {
+    require_positive({{"n", n}, {"kT", kT}});
+    double const d = diameter(kT).value;
+    double const eta = std::numbers::pi / 6.0 * n * d * d * d;
+    if (!(d > 0.0 && eta < 1.0))
+        throw std::domain_error("no fluid: the packing fraction of the hard spheres is outside (0, 1)");
+    return eta;
+}
+
+/// p/(n kT) of the hard spheres, and its derivative with respect to eta.
+double hard_spheres(double eta) {
+    double const free = 1.0 - eta;
+    return (1.0 + eta * (1.0 + eta * (1.0 - 2.0 / 3.0 * eta * (1.0 + eta)))) / (free * free * free);
+}
+double hard_spheres_slope(double eta) {
+    double const free = 1.0 - eta;
+    return (1.0 + eta * (2.0 - eta * (2.0 + 8.0 / 3.0 * eta))) / (free * free * free) +
+           3.0 * hard_spheres(eta) / free;
+}
+
+}  // namespace kolafa_nezbeda
 
 }  // namespace
 
@@ -351,6 +492,204 @@ double velocity_autocorrelation_tail_in_box(Gas const& gas, double eta, double D
     double const modes =
         std::expm1(gas.d * std::log1p(lattice_sum(mode_diffusivity(gas, eta, D) * square(k1) * t)));
     return (gas.d - 1.0) / gas.d * gas.kT / (gas.n * gas.m * std::pow(L, gas.d)) * modes;
+}
+
+double particle_mass(CoarseGraining const& map, double m) {
+    require_positive({{"Nm", map.Nm}, {"m", m}});
+    return m * map.Nm;
+}
+
+double cutoff_radius(CoarseGraining const& map) {
+    require_positive({{"Nm", map.Nm}, {"n", map.n}, {"n_md", map.n_md}});
+    return std::cbrt(map.Nm * map.n / map.n_md);
+}
+
+double length_in_dpd_units(CoarseGraining const& map, double length) {
+    require_positive({{"length", length}});
+    return length / cutoff_radius(map);
+}
+
+double conservative_coefficient(CoarseGraining const& map, double kT) {
+    require_positive({{"Nm", map.Nm},
+                      {"n", map.n},
+                      {"inverse_compressibility", map.inverse_compressibility},
+                      {"alpha", map.alpha},
+                      {"kT", kT}});
+    double const excess = map.inverse_compressibility * map.Nm - 1.0;
+    if (excess < 0.0)
+        throw std::domain_error(
+            "no repulsion: the fluid of the atoms is more compressible than an ideal gas of the particles");
+    return kT * excess / (2.0 * map.alpha * map.n);
+}
+
+double atoms_per_particle(CoarseGraining const& map, double a, double kT) {
+    require_positive({{"inverse_compressibility", map.inverse_compressibility}});
+    return groot_warren_inverse_compressibility({.n = map.n, .kT = kT}, a, map.alpha) /
+           map.inverse_compressibility;
+}
+
+double time_unit(CoarseGraining const& map, double eta) {
+    require_positive({{"eta", eta}, {"eta_md", map.eta_md}});
+    double const rc = cutoff_radius(map);  // checks the densities
+    return (eta / map.n) / (map.eta_md / map.n_md) * rc * rc;
+}
+
+double force_in_dpd_units(CoarseGraining const& map, double eta, double force) {
+    require_positive({{"force", force}});
+    // Nm atoms feel it and the unit of mass is Nm atoms: Nm cancels
+    return force * square(time_unit(map, eta)) / cutoff_radius(map);
+}
+
+double temperature_in_md_units(CoarseGraining const& map, double eta, double kT) {
+    require_positive({{"kT", kT}});
+    return kT * map.Nm * square(cutoff_radius(map) / time_unit(map, eta));
+}
+
+double mach_number(CoarseGraining const& map, double eta, double kT, double force, double L) {
+    double const u_max = poiseuille_maximum_velocity(map.n, force_in_dpd_units(map, eta, force), eta,
+                                                     length_in_dpd_units(map, L));
+    double const a = conservative_coefficient(map, kT);
+    return u_max / groot_warren_sound_speed({.n = map.n, .kT = kT}, a, map.alpha);
+}
+
+double speed_up(double Nm) {
+    require_positive({{"Nm", Nm}});
+    constexpr double soft_potentials = 1000.0;  // PK2006, after Groot & Rabone
+    return soft_potentials * std::pow(Nm, 8.0 / 3.0);
+}
+
+double matched_friction(double sigma, double kT) {
+    require_positive({{"sigma", sigma}, {"kT", kT}});
+    return square(sigma) / (2.0 * kT);
+}
+
+double repulsion_constant(Gas const& gas, PairDistribution const& g) {
+    return integral_of_force_times_distance(gas, 1.0, g) / (2.0 * gas.d * std::pow(gas.rc, gas.d + 1));
+}
+
+double virial_pressure(Gas const& gas, double a, PairDistribution const& g) {
+    require_positive({{"n", gas.n}, {"kT", gas.kT}});
+    return gas.n * gas.kT + square(gas.n) / (2.0 * gas.d) * integral_of_force_times_distance(gas, a, g);
+}
+
+double virial_sound_speed(Gas const& gas, double a, PairDistribution const& g) {
+    require_positive({{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}});
+    return std::sqrt((gas.kT + gas.n / gas.d * integral_of_force_times_distance(gas, a, g)) / gas.m);
+}
+
+double groot_warren_pressure(Gas const& gas, double a, double alpha) {
+    return gas.n * (gas.kT + groot_warren_energy(gas, a, alpha));
+}
+
+double groot_warren_inverse_compressibility(Gas const& gas, double a, double alpha) {
+    return 1.0 + 2.0 * groot_warren_energy(gas, a, alpha) / gas.kT;
+}
+
+double groot_warren_sound_speed(Gas const& gas, double a, double alpha) {
+    require_positive({{"m", gas.m}});
+    return std::sqrt(gas.kT / gas.m * groot_warren_inverse_compressibility(gas, a, alpha));
+}
+
+double diffusion_from_displacement(int d, double msd, double t) {
+    require_positive({{"msd", msd}, {"t", t}});
+    unit_sphere_surface(d);  // checks d
+    return msd / (2.0 * d * t);
+}
+
+double pair_distribution_in_shell(int d, double n, double neighbours, double r_min, double r_max) {
+    require_positive({{"n", n}, {"neighbours", neighbours}, {"r_max", r_max}});
+    if (!(r_min >= 0.0 && r_min < r_max)) throw std::invalid_argument("r_min must be in [0, r_max)");
+    return neighbours / (n * unit_sphere_surface(d) / d * (std::pow(r_max, d) - std::pow(r_min, d)));
+}
+
+double poiseuille_velocity(double n, double force, double eta, double L, double z) {
+    require_positive({{"n", n}, {"force", force}, {"eta", eta}});
+    require_inside(L, z);
+    return n * force / (2.0 * eta) * z * (L - z);
+}
+
+double poiseuille_maximum_velocity(double n, double force, double eta, double L) {
+    return poiseuille_velocity(n, force, eta, L, 0.5 * L);
+}
+
+double power_law_velocity(double u_max, double index, double L, double z) {
+    require_positive({{"u_max", u_max}, {"index", index}});
+    require_inside(L, z);
+    return u_max * (1.0 - std::pow(std::abs(1.0 - 2.0 * z / L), 1.0 / index + 1.0));
+}
+
+double schmidt_number(double eta, double n, double m, double D) {
+    require_positive({{"eta", eta}, {"n", n}, {"m", m}, {"D", D}});
+    return eta / (n * m * D);
+}
+
+double lennard_jones_energy(LennardJones const& lj, double r) {
+    if (!inside(lj, r)) return 0.0;
+    double energy = full_energy(lj, r);
+    if (!std::isfinite(lj.rc) || lj.truncation == Truncation::none) return energy;
+    energy -= full_energy(lj, lj.rc);
+    if (lj.truncation == Truncation::linear_force) energy += (r - lj.rc) * full_force(lj, lj.rc);
+    return energy;
+}
+
+double lennard_jones_force(LennardJones const& lj, double r) {
+    if (!inside(lj, r)) return 0.0;
+    double const force = full_force(lj, r);
+    bool const shifted = std::isfinite(lj.rc) && lj.truncation == Truncation::linear_force;
+    return shifted ? force - full_force(lj, lj.rc) : force;
+}
+
+double lennard_jones_curvature(LennardJones const& lj, double r) {
+    if (!inside(lj, r)) return 0.0;
+    double const s6 = inverse_sixth(lj, r);
+    return 24.0 * lj.epsilon * s6 * (26.0 * s6 - 7.0) / square(r);
+}
+
+double lennard_jones_tail_energy(LennardJones const& lj, double n) {
+    auto const [scale, s3] = tail_factors(lj, n);
+    return scale * n * s3 * (square(s3) / 3.0 - 1.0);
+}
+
+double lennard_jones_tail_pressure(LennardJones const& lj, double n) {
+    auto const [scale, s3] = tail_factors(lj, n);
+    return 2.0 * scale * square(n) * s3 * (2.0 / 3.0 * square(s3) - 1.0);
+}
+
+double lennard_jones_jump_pressure(LennardJones const& lj, double n) {
+    auto const [scale, s3] = tail_factors(lj, n);
+    return scale * square(n) * s3 * (square(s3) - 1.0);
+}
+
+double lennard_jones_pressure(double n, double kT) {
+    using namespace kolafa_nezbeda;
+    double sum = n * kT * hard_spheres(packing(n, kT));
+    double const n2 = square(n);
+    sum += kT * sum_of_powers(virial_terms, kT).value * n2 * (1.0 - 2.0 * gamma * n2) * std::exp(-gamma * n2);
+    for (auto const& [half_power, k, factor] : polynomial)
+        sum += k * factor * std::pow(kT, 0.5 * half_power) * std::pow(n, k + 1);
+    return sum;
+}
+
+double lennard_jones_internal_energy(double n, double kT) {
+    using namespace kolafa_nezbeda;
+    // a - T da/dT = -T^2 d(a/T)/dT for each part of the Helmholtz energy a
+    auto const d = diameter(kT);
+    double sum = -3.0 * kT * (hard_spheres(packing(n, kT)) - 1.0) * d.T_derivative / d.value;
+    sum -= kT * sum_of_powers(virial_terms, kT).T_derivative * n * std::exp(-gamma * square(n));
+    for (auto const& [half_power, k, factor] : polynomial)
+        sum += (1.0 - 0.5 * half_power) * factor * std::pow(kT, 0.5 * half_power) * std::pow(n, k);
+    return sum;
+}
+
+double lennard_jones_inverse_compressibility(double n, double kT) {
+    using namespace kolafa_nezbeda;
+    double const eta = packing(n, kT), n2 = square(n);
+    double sum = hard_spheres(eta) + eta * hard_spheres_slope(eta);
+    sum += 2.0 * n * sum_of_powers(virial_terms, kT).value * std::exp(-gamma * n2) *
+           (1.0 - gamma * n2 * (5.0 - 2.0 * gamma * n2));
+    for (auto const& [half_power, k, factor] : polynomial)
+        sum += k * (k + 1) * factor * std::pow(kT, 0.5 * half_power - 1.0) * std::pow(n, k);
+    return sum;
 }
 
 }  // namespace dpd::theory

@@ -3,14 +3,15 @@
 /// equation.
 ///
 /// Units are the caller's, as long as they agree: length, time, mass and energy (kT, with k_B = 1) are free.
-/// `[f]` is the integral of f over d-dimensional space. The derivations are in theory/MY1997.md and
-/// theory/NG2007.md.
+/// `[f]` is the integral of f over d-dimensional space. The derivations are in theory/MY1997.md,
+/// theory/NG2007.md and theory/PK2006.md.
 ///
 /// Every function throws std::invalid_argument when d is neither 2 nor 3 or when a quantity it uses is not
 /// positive and finite, and std::domain_error when the equation has no answer there; none returns NaN.
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "scheme.hpp"
@@ -216,5 +217,147 @@ double velocity_autocorrelation_tail(Gas const& gas, double eta, double D, doubl
 /// The same in a periodic square or cube of side L at zero total momentum:
 /// ((d-1)/d) (kT/(n m L^d)) sum over wave vectors k != 0 of exp(-(eta/(n m) + D) k^2 t).
 double velocity_autocorrelation_tail_in_box(Gas const& gas, double eta, double D, double L, double t);
+
+// ---------------------------------------------------------------------------------------------------------
+// Pivkin & Karniadakis 2006: coarse graining. What is of the atoms is in their units (length sigma, mass m,
+// time tau, energy m sigma^2/tau^2), what is of the DPD fluid in its own: length rc, mass of a particle, and
+// the time unit that @eq{PK2006,4} defines. Three dimensions.
+
+/// A fluid of atoms and the DPD fluid that stands for it, Nm atoms to a particle. The defaults are the
+/// paper's.
+struct CoarseGraining {
+    double Nm = 1.0;                         ///< atoms per particle, any positive number
+    double n = 3.0;                          ///< number density of the particles, 1/rc^3
+    double n_md = 0.8;                       ///< number density of the atoms, 1/sigma^3
+    double eta_md = 1.97;                    ///< viscosity of the atoms, m/(sigma tau)
+    double inverse_compressibility = 15.36;  ///< (1/kT) dp/dn of the atoms
+    double alpha = 0.101;                    ///< Groot and Warren's constant, see groot_warren_pressure
+};
+
+/// Mass of a particle, m Nm. @eq{PK2006,1} Unit that of m, the mass of an atom.
+double particle_mass(CoarseGraining const& map, double m = 1.0);
+
+/// rc in units of sigma, (Nm n/n_md)^(1/3): both fluids have the same mass density. @eq{PK2006,2}
+double cutoff_radius(CoarseGraining const& map);
+
+/// A length of the atoms' world, in sigma, as a multiple of rc; 34.2 sigma is Table I. @eq{PK2006,2}
+double length_in_dpd_units(CoarseGraining const& map, double length);
+
+/// Conservative coefficient a, the force of a pair at r = 0, in DPD units: kT (kappa^-1 Nm - 1)/(2 alpha n)
+/// with kT in DPD units. @eq{PK2006,3} In the terms of Soft, a = Soft::a kT/rc. Throws std::domain_error
+/// when kappa^-1 Nm < 1, where the force would have to attract.
+double conservative_coefficient(CoarseGraining const& map, double kT);
+/// The equation above solved for Nm (map.Nm does not count). @eq{PK2006,3}
+double atoms_per_particle(CoarseGraining const& map, double a, double kT);
+
+/// DPD unit of time in tau, (nu/nu_md) rc^2, nu = eta/n with eta the viscosity of the DPD fluid in DPD units.
+/// @eq{PK2006,4}
+double time_unit(CoarseGraining const& map, double eta);
+
+/// Body force on a particle in DPD units when each of its atoms feels `force` (m sigma/tau^2):
+/// force time_unit^2/rc. @eq{PK2006,4} (sect. IV)
+double force_in_dpd_units(CoarseGraining const& map, double eta, double force);
+
+/// kT of the DPD fluid in the atoms' units of energy, kT Nm (rc/time_unit)^2. @eq{PK2006,4} The map fixes
+/// length, mass and time, so that it fixes this too; nothing makes it the temperature of the atoms.
+double temperature_in_md_units(CoarseGraining const& map, double eta, double kT);
+
+/// Mach number at the centre of a channel of width L (sigma) in which `force` (m sigma/tau^2) drives each
+/// atom: the Poiseuille maximum over groot_warren_sound_speed with a from conservative_coefficient,
+/// n_md force L^2/(8 eta_md) (nu/nu_md) rc/sqrt(kappa^-1 Nm kT). @eq{PK2006,7} (sect. IV)
+double mach_number(CoarseGraining const& map, double eta, double kT, double force, double L);
+
+/// How much faster than molecular dynamics of water, 1000 Nm^(8/3). PK2006 sect. I prints the exponent 5/3
+/// beside numbers that have 8/3, see theory/PK2006.md.
+double speed_up(double Nm);
+
+/// Friction that keeps kT with a noise of strength sigma, sigma^2/(2 kT). PK2006 sect. I.
+double matched_friction(double sigma, double kT);
+
+/// Groot and Warren's alpha of a pair distribution, [(1 - r/rc) (r/rc) g]/(2 d rc^d); for g = 1 pi/30 (d = 3)
+/// and pi/24 (d = 2). @eq{PK2006,8} Uses d and rc.
+double repulsion_constant(Gas const& gas, PairDistribution const& g = {});
+
+/// Pressure of the soft repulsion a (1 - r/rc), n kT + (n^2/(2 d)) [F r g]. @eq{PK2006,8} Unit
+/// energy/length^d; a in energy/length.
+double virial_pressure(Gas const& gas, double a, PairDistribution const& g = {});
+/// sqrt((kT + (n/d) [F r g])/m), dp/dn at a g that does not change with n. @eq{PK2006,7} Unit length/time.
+double virial_sound_speed(Gas const& gas, double a, PairDistribution const& g = {});
+
+/// Pressure by Groot and Warren's fit n kT + alpha a rc^4 n^2, d = 3, n rc^3 > 2. @eq{PK2006,8}
+/// R. D. Groot and P. B. Warren, J. Chem. Phys. 107 (1997) 4423. Throws std::domain_error for d = 2.
+double groot_warren_pressure(Gas const& gas, double a, double alpha);
+/// (1/kT) dp/dn = 1 + 2 alpha a rc^4 n/kT of that fit. @eq{PK2006,3}
+double groot_warren_inverse_compressibility(Gas const& gas, double a, double alpha);
+/// Isothermal speed of sound sqrt(dp/dn/m) of that fit; with eq. 3 for a it is sqrt(kappa^-1 Nm kT/m).
+/// @eq{PK2006,7}
+double groot_warren_sound_speed(Gas const& gas, double a, double alpha);
+
+/// Diffusion constant msd/(2 d t) from a mean-square displacement at time t. @eq{PK2006,5}
+double diffusion_from_displacement(int d, double msd, double t);
+
+/// g between r_min and r_max from the mean number of neighbours of a particle there, neighbours/(n V), V the
+/// volume of the shell. @eq{PK2006,6} r_min may be 0. Throws std::invalid_argument unless r_min < r_max.
+double pair_distribution_in_shell(int d, double n, double neighbours, double r_min, double r_max);
+
+/// Velocity of the plane Poiseuille flow, n force/(2 eta) z (L - z), 0 <= z <= L; force on a particle.
+/// Navier-Stokes, incompressible; PK2006 sect. IV. Throws std::invalid_argument for z outside.
+double poiseuille_velocity(double n, double force, double eta, double L, double z);
+/// The same at the centre, n force L^2/(8 eta).
+double poiseuille_maximum_velocity(double n, double force, double eta, double L);
+
+/// Velocity of a power-law fluid (stress = K shear_rate^index) in the same channel,
+/// u_max (1 - |1 - 2 z/L|^(1/index + 1)); index = 1 is the parabola. PK2006 sect. IV.
+double power_law_velocity(double u_max, double index, double L, double z);
+
+/// Schmidt number eta/(n m D) from measured values. PK2006 sect. VI.
+double schmidt_number(double eta, double n, double m, double D);
+
+// ---------------------------------------------------------------------------------------------------------
+// The Lennard-Jones fluid
+
+/// What is done at the cut-off rc of a pair energy u(r).
+enum class Truncation {
+    none,          ///< u(r) as it is, up to rc: it jumps there. Its force inside is that of the next
+    energy_shift,  ///< u(r) - u(rc): what molecular dynamics with the plain force inside rc simulates
+    linear_force,  ///< u(r) - u(rc) - (r - rc) u'(rc): energy and force both vanish at rc
+};
+
+/// u(r) = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) up to the cut-off; without one by default.
+struct LennardJones {
+    double epsilon = 1.0;                                 ///< energy
+    double sigma = 1.0;                                   ///< length
+    double rc = std::numeric_limits<double>::infinity();  ///< cut-off
+    Truncation truncation = Truncation::none;
+};
+
+/// Energy of a pair at the distance r > 0; 0 at and beyond rc.
+double lennard_jones_energy(LennardJones const& lj, double r);
+/// Its force -du/dr inside rc, positive when it repels. The pulse that Truncation::none has at rc is left
+/// out.
+double lennard_jones_force(LennardJones const& lj, double r);
+/// d2u/dr2 inside rc.
+double lennard_jones_curvature(LennardJones const& lj, double r);
+
+/// Energy per particle from beyond rc with g = 1, three dimensions:
+/// (8 pi/3) n epsilon sigma^3 ((1/3)(sigma/rc)^9 - (sigma/rc)^3). To be added to the energy with
+/// Truncation::none. The truncation of `lj` does not count; rc must be finite.
+double lennard_jones_tail_energy(LennardJones const& lj, double n);
+/// Pressure from beyond rc with g = 1, three dimensions:
+/// (16 pi/3) n^2 epsilon sigma^3 ((2/3)(sigma/rc)^9 - (sigma/rc)^3). To be added to the pressure from the
+/// forces inside rc.
+double lennard_jones_tail_pressure(LennardJones const& lj, double n);
+/// Pressure of the pulse of force at rc with g = 1, (8 pi/3) n^2 epsilon sigma^3 ((sigma/rc)^9 -
+/// (sigma/rc)^3): what the fluid with Truncation::none has more than its forces inside rc show.
+double lennard_jones_jump_pressure(LennardJones const& lj, double n);
+
+/// Pressure of the Lennard-Jones fluid without cut-off by the equation of state of J. Kolafa and I. Nezbeda,
+/// Fluid Phase Equilib. 100 (1994) 1, in reduced units (epsilon, sigma). A fit: near n = 0.8 it is within
+/// 0.02 of simulation (theory/PK2006.md). Throws std::domain_error when the packing fraction would reach 1.
+double lennard_jones_pressure(double n, double kT);
+/// Potential energy per particle by the same equation of state.
+double lennard_jones_internal_energy(double n, double kT);
+/// (1/kT) dp/dn by the same equation of state.
+double lennard_jones_inverse_compressibility(double n, double kT);
 
 }  // namespace dpd::theory

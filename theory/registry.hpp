@@ -18,7 +18,7 @@ namespace dpd::theory {
 struct Parameter {
     std::string_view name;
     std::string_view meaning;
-    std::optional<std::string_view> default_text;  ///< none: required
+    std::optional<std::string_view> default_text;  ///< none: required; a form may have its own
     std::string_view allowed;                      ///< for messages, e.g. "> 0"
 };
 
@@ -38,6 +38,11 @@ struct ClosedForm {
     std::vector<std::string_view>
         without_effect;  ///< accepted and checked, but the value does not depend on it
     double (*value)(Arguments const&);
+    /// Defaults of this form that differ from those of its parameters; an empty one makes it required.
+    std::vector<std::pair<std::string_view, std::optional<std::string_view>>> defaults = {};
+
+    /// What `parameter` is when it is not given; nothing: it must be given.
+    std::optional<std::string_view> default_text(Parameter const& parameter) const;
 };
 
 /// The values of one closed form's parameters, checked.

@@ -4,8 +4,10 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "run.hpp"
 #include "stages.hpp"
 
 namespace {
@@ -44,6 +46,17 @@ Simulation<2> marsh_yeomans() {
     simulation.stages = {
         {"euler", EulerImpulses<2>{.cutoff = 4.0}}, {"kick", Kick<2>{}}, {"drift", Drift<2>{}}};
     return simulation;
+}
+
+// The soft fluid of NG2007 Fig. 3: n* = 3, a = 25, ten force steps of 0.01 in each step.
+Simulation<3> soft_fluid(std::string const& stages, std::string const& tables) {
+    return build<3>(
+        parse_scene("dimension = 3\nstages = [" + stages +
+                        "]\n[box]\nlength = [20, 20, 20]\n[particles]\ndensity = 3\n[time]\nstep = "
+                        "0.1\nduration = 1\n[verlet]\nsubsteps = 10\n[verlet.soft]\nstrength = 25\n" +
+                        tables,
+                    "benchmark"),
+        {});
 }
 
 // Runs `part` on a warm simulation.
@@ -102,6 +115,14 @@ struct Register {
         add("step/euler", euler, whole_step);
         add("step/euler/sheared", euler_sheared, whole_step);
         add("step/marsh_yeomans_2d", marsh_yeomans, whole_step);
+        auto const soft = [](std::string const& stages, std::string const& tables) {
+            return [=] { return soft_fluid(stages, tables); };
+        };
+        add("step/soft_ten_substeps", soft("'verlet'", ""), whole_step);
+        add("step/soft_ten_substeps/shardlow", soft("'shardlow', 'verlet'", "[shardlow]\nfriction = 4.5\n"),
+            whole_step);
+        add("step/soft_ten_substeps/lowe", soft("'lowe', 'verlet'", "[lowe]\nrate = 1\n"), whole_step);
+        add("step/soft_ten_substeps/rescale", soft("'rescale', 'verlet'", "[rescale]\n"), whole_step);
         add("pair_search", shardlow, pair_search);
         add("pair_search/sheared", shardlow_sheared, pair_search);
         add("thermostat/shardlow", shardlow, thermostat);

@@ -1,0 +1,793 @@
+/// @file
+/// Figures: definitions and their mistakes, what points share and join, comparisons and verdicts, files; and
+/// the quantities that are derived, from made-up records with known answers.
+#define BOOST_TEST_MODULE figure
+#include "figure.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "errors.hpp"
+#include "run.hpp"
+#include "theory/closed_forms.hpp"
+
+using namespace dpd;
+namespace data = boost::unit_test::data;
+using boost::test_tools::tolerance;
+
+namespace {
+
+/// A good definition, by line; a test replaces one line by another.
+std::vector<std::string> const good{
+    "paper = 'none'",                                // 1
+    "figure = '0'",                                  // 2
+    "title = 'a title'",                             // 3
+    "caption = 'a caption'",                         // 4
+    "[scene]",                                       // 5
+    "dimension = 2",                                 // 6
+    "stages = ['shardlow', 'sample', 'drift']",      // 7
+    "box.length = [4.0, 4.0]",                       // 8
+    "particles.density = 2.0",                       // 9
+    "shardlow.friction = 2.0",                       // 10
+    "time.step = 0.1",                               // 11
+    "time.duration = 4.0",                           // 12
+    "sample.observables = ['kinetic_temperature']",  // 13
+    "[budget.quick]",                                // 14
+    "seeds = 2",                                     // 15
+    "duration_scale = 0.5",                          // 16
+    "[budget.paper]",                                // 17
+    "seeds = 3",                                     // 18
+    "[[curve]]",                                     // 19
+    "name = 'gas'",                                  // 20
+    "vary = 'shardlow.friction'",                    // 21
+    "values = [1.0, 4.0]",                           // 22
+    "[[curve.compare]]",                             // 23
+    "quantity = 'kinetic_temperature'",              // 24
+    "theory = 'value'",                              // 25
+    "value = 1.0",                                   // 26
+    "[[curve]]",                                     // 27
+    "name = 'bins'",                                 // 28
+    "record = 'velocity_autocorrelation'",           // 29
+};
+
+std::string join(std::vector<std::string> const& lines) {
+    std::string text;
+    for (auto const& line : lines) text += line + "\n";
+    return text;
+}
+
+std::string with(std::size_t line, std::string const& replacement) {
+    auto lines = good;
+    lines.at(line - 1) = replacement;
+    return join(lines);
+}
+
+/// The good definition with other curves.
+std::string with_curves(std::string const& curves) {
+    return join({good.begin(), good.begin() + 18}) + curves;
+}
+
+struct Fixture {
+    Fixture() { std::filesystem::create_directories(directory / "test"); }
+    ~Fixture() { std::filesystem::remove_all(directory); }
+    Figure load(std::string const& definition, std::string const& budget = "quick") const {
+        std::ofstream(directory / "test" / "figure.toml") << definition;
+        return load_figure(directory, "test", budget);
+    }
+    /// What is complained of; empty if nothing is.
+    std::string complaint(std::string const& definition) const {
+        try {
+            load(definition);
+        } catch (InputError const& error) {
+            return error.what();
+        }
+        return "";
+    }
+    std::filesystem::path const directory =
+        std::filesystem::temp_directory_path() / fmt::format("dpdref_figure_test.{}", ::getpid());
+    std::string const file = (directory / "test" / "figure.toml").string();
+};
+
+Scene scene(std::string const& stages, std::vector<std::string> const& assignments = {}) {
+    std::vector<std::string> all{"dimension=3",     "stages=[" + stages + "]", "box.length=[5, 6, 5]",
+                                 "time.step=0.1",   "time.duration=20",        "particles.density=3",
+                                 "particles.mass=2"};
+    if (stages.find("'shardlow'") != std::string::npos) all.push_back("shardlow.friction=4.5");
+    if (stages.find("'verlet'") != std::string::npos) all.push_back("verlet.soft.strength=25");
+    all.insert(all.end(), assignments.begin(), assignments.end());
+    return parse_scene("[time]\n", "figure_test", all);
+}
+
+Estimate const& estimate_of(std::vector<Quantity> const& quantities, std::string const& name) {
+    Quantity const* const quantity = find_quantity(quantities, name);
+    BOOST_REQUIRE_MESSAGE(quantity, "no " << name);
+    return quantity->estimate;
+}
+
+void check_estimate(std::vector<Quantity> const& quantities, std::string const& name, double value,
+                    double error, double within = 1e-12) {
+    Estimate const& estimate = estimate_of(quantities, name);
+    BOOST_TEST_CONTEXT(name) {
+        BOOST_TEST(estimate.value == value, tolerance(within));
+        BOOST_TEST(std::abs(estimate.error - error) <= std::max(within * std::abs(error), 1e-14));
+    }
+}
+
+/// A curve with value(x, block) in `blocks` blocks; the weight of a bin must not matter.
+template <class F>
+Curve made(std::size_t bins, double first, double spacing, Eigen::Index blocks, F&& value) {
+    Curve curve;
+    auto const rows = static_cast<Eigen::Index>(bins);
+    curve.sum.resize(rows, blocks);
+    curve.weight.resize(rows, blocks);
+    for (Eigen::Index bin = 0; bin < rows; ++bin) {
+        curve.x.push_back(first + spacing * double(bin));
+        for (Eigen::Index block = 0; block < blocks; ++block) {
+            curve.weight(bin, block) = 3.0 + double(bin % 4) + double(block);
+            curve.sum(bin, block) = curve.weight(bin, block) * value(curve.x.back(), block);
+        }
+    }
+    return curve;
+}
+
+/// Blocks 0 and 1 lie by a share below and above the mean; then the mean's error is this share.
+double scattered(double mean, double share, Eigen::Index block) {
+    return mean * (1.0 + (block == 0 ? -share : share));
+}
+
+}  // namespace
+
+BOOST_FIXTURE_TEST_SUITE(figures, Fixture)
+
+// --- definitions -----------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(a_definition_is_read_as_written) {
+    std::string const definition = with(
+        29,
+        "record = 'velocity_autocorrelation'\njoin = 'gas'\nfrom = 0.1\nto = 0.7\nevery = 3\nlabel = 'C'\n"
+        "[curve.set]\n'sample.velocity_autocorrelation.longest' = 1.0\n'shardlow.friction' = 7\n"
+        "[[curve.compare]]\nquantity = 'velocity_autocorrelation'\ntheory = 'quantity:exponential_decay'\n"
+        "relation = 'differs'\ntolerance = 0.1\n");
+    Figure const figure = load(definition);
+    BOOST_TEST(figure.title == "a title");
+    BOOST_TEST(figure.curves.size() == 2u);
+    FigureCurve const &gas = figure.curves[0], &bins = figure.curves[1];
+    BOOST_TEST(gas.label == "gas");
+    BOOST_TEST(gas.parameter == "shardlow.friction");
+    BOOST_TEST(gas.record == "");
+    BOOST_TEST(gas.join == "");
+    BOOST_TEST((gas.criteria.at(0).relation == Relation::equal));
+    BOOST_TEST(gas.criteria[0].resolution == 0.01);
+    BOOST_TEST(bins.label == "C");
+    BOOST_TEST(bins.parameter == "");
+    BOOST_TEST(bins.record == "velocity_autocorrelation");
+    BOOST_TEST(bins.join == "gas");
+    BOOST_TEST(bins.from == 0.1);
+    BOOST_TEST(bins.to == 0.7);
+    BOOST_TEST(bins.every == 3u);
+    BOOST_TEST((bins.criteria.at(0).relation == Relation::differs));
+    BOOST_TEST(bins.criteria[0].theory == "quantity:exponential_decay");
+    BOOST_TEST(bins.criteria[0].tolerance == 0.1);
+    // two points, and one whose bins will be
+    BOOST_TEST(figure.points.size() == 3u);
+    for (std::size_t p = 0; p < 3; ++p) {
+        BOOST_TEST(figure.points[p].runs.size() == 2u);
+        BOOST_TEST(figure.points[p].runs[1].seed == 2u);
+        BOOST_TEST(figure.points[p].runs[0].production_steps == 20u);  // half of the paper's
+        BOOST_TEST(figure.points[p].runs[0].shardlow.friction == (std::vector{1.0, 4.0, 7.0})[p]);
+    }
+    BOOST_TEST(load(definition, "paper").points[0].runs.size() == 3u);
+    BOOST_TEST(load(definition, "paper").points[0].runs[0].production_steps == 40u);
+
+    FigureCurve const plain = load(join(good)).curves[1];
+    BOOST_TEST(plain.from == 0.0);
+    BOOST_TEST(std::isinf(plain.to));
+    BOOST_TEST(plain.every == 1u);
+}
+
+BOOST_AUTO_TEST_CASE(of_the_keys_that_change_a_scene_the_last_one_counts) {
+    // budget, then the curve's set, then along, then the varied parameter
+    auto lines = good;
+    lines[15] += "\nset = {'particles.mass' = 2.0, 'shardlow.cutoff' = 0.5, 'shardlow.kT' = 3.0}";
+    lines[21] =
+        "values = [1.0, 4.0, 9.0]\npaper_only = [4.0]\n"
+        "along = {'shardlow.cutoff' = [0.7, 0.8, 0.9], 'shardlow.friction' = 5.0}\n"
+        "set = {'shardlow.kT' = 1.5, 'shardlow.cutoff' = 0.6}";
+    Figure const figure = load(join(lines));
+    BOOST_TEST(figure.points.size() == 3u);
+    for (std::size_t p : {0, 1}) {
+        Scene const& run = figure.points[p].runs[0];
+        BOOST_TEST(run.mass == 2.0);
+        BOOST_TEST(run.shardlow.kT == 1.5);
+        BOOST_TEST(run.shardlow.cutoff == (p == 0 ? 0.7 : 0.9));
+        BOOST_TEST(run.shardlow.friction == (p == 0 ? 1.0 : 9.0));
+    }
+    BOOST_TEST(figure.points[2].runs[0].shardlow.kT == 3.0);
+}
+
+BOOST_AUTO_TEST_CASE(every_theory_is_known) {
+    for (char const* theory : {"ng17", "previous", "curve:x", "quantity:x", "value"})
+        BOOST_TEST(complaint(with(25, fmt::format("theory = '{}'", theory))) == "");
+    for (char const* relation : {"equal", "at_most", "at_least", "differs"})
+        BOOST_TEST(complaint(with(26, fmt::format("relation = '{}'", relation))) == "");
+}
+
+BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
+    struct Mistake {
+        std::size_t line;         ///< of `good`, to be replaced
+        std::string replacement;  ///< by this
+        std::string begin;        ///< of the message, after the file's name
+        std::vector<std::string> words;
+    };
+    std::vector<Mistake> const mistakes{
+        {25,
+         "theory = 'ng99'",
+         ":25: curve.compare.theory: ",
+         {"no closed form", "allowed", "curve:NAME", "quantity:NAME", "previous", "value"}},
+        {25, "theory = 'previously'", ":25: curve.compare.theory: ", {"allowed"}},
+        {25, "", ":23: curve.compare.theory: ", {"is missing", "allowed"}},
+        {26, "relation = 'other'", ":26: curve.compare.relation: ", {"other", "allowed", "differs"}},
+        {26, "tolerance = -1", ":26: curve.compare.tolerance: ", {"-1", "allowed", ">= 0"}},
+        {26, "resolution = 0", ":26: curve.compare.resolution: ", {"0", "allowed", "> 0"}},
+        {26, "worth = 1", ":26: curve.compare.worth: ", {"unknown key", "allowed", "value"}},
+        {29, "", ":27: curve.vary: ", {"is missing", "allowed"}},
+        {29, "record = 1", ":29: curve.record: ", {"1", "allowed", "a string"}},
+        {29, "record = 'x'\nvary = 'time.step'", ":30: curve.vary: ", {"own x", "allowed", "one"}},
+        {29, "record = 'x'\nevery = 0", ":30: curve.every: ", {"0", "allowed", "an integer >= 1"}},
+        {29, "record = 'x'\nfrom = 'a'", ":30: curve.from: ", {"allowed", "a finite number"}},
+        {29, "record = 'x'\nto = inf", ":30: curve.to: ", {"inf", "allowed", "a finite number"}},
+        {29, "record = 'x'\nuntil = 1", ":30: curve.until: ", {"unknown key", "allowed", "to"}},
+        {29, "record = 'x'\njoin = 1", ":30: curve.join: ", {"1", "allowed", "a string"}},
+        {21, "vary = 'time.step'\nfrom = 1", ":22: curve.from: ", {"unknown key", "allowed"}},
+        {22, "", ":19: curve.values: ", {"is missing", "allowed", "a list"}},
+        {22, "values = [1.0]\nline = [1.0]", ":23: curve.line: ", {"allowed", "[from, to]"}},
+        {22, "values = [1, 2]\nalong = {'time.step' = [0.1]}", ": time.step: ", {"has no value for point 2"}},
+        {22, "values = [1]\nset = {'shardlow.fiction' = 1}", " (gas, shardlow.friction = 1):", {"fiction"}},
+        {16, "scale = 2", ":16: budget.quick.scale: ", {"unknown key", "allowed", "duration_scale"}},
+        {17, "[budget.papers]", ":", {"budget.paper: ", "is missing", "allowed", "a table"}},
+        {18, "seeds = 0", ":18: budget.paper.seeds: ", {"0", "allowed", "an integer >= 1"}},
+        {5, "[scenes]", ": scene: ", {"is missing", "allowed", "[scene]"}},
+        {4, "capture = 1", ": caption: ", {"is missing", "allowed"}},
+    };
+    BOOST_TEST(complaint(join(good)) == "");
+    for (auto const& mistake : mistakes)
+        BOOST_TEST_CONTEXT("line " << mistake.line << ": " << mistake.replacement) {
+            std::string const message = complaint(with(mistake.line, mistake.replacement));
+            BOOST_TEST(message.find('\n') == std::string::npos, message);
+            BOOST_TEST(message.starts_with(file), message);
+            BOOST_TEST(message.find(mistake.begin) != std::string::npos, message);
+            for (auto const& word : mistake.words)
+                BOOST_TEST(message.find(word) != std::string::npos, message << " lacks " << word);
+        }
+    BOOST_CHECK_EXCEPTION(load_figure(directory, "none", "quick"), InputError, [](InputError const& error) {
+        return std::string(error.what()) == "figure none: unknown; allowed: all, test";
+    });
+}
+
+// --- comparisons -----------------------------------------------------------------------------------------
+
+namespace {
+
+/// Curves a, b and c: a at 1, 2 and 3, b at 1 and 3, c at 5. Quantity q is 10 x, with error 0.1 x; r is x.
+Figure made_figure(Criterion const& criterion) {
+    Figure figure;
+    figure.id = "made";
+    for (char const* name : {"a", "b", "c"}) {
+        figure.curves.emplace_back();
+        figure.curves.back().name = name;
+        figure.curves.back().parameter = "shardlow.friction";
+    }
+    figure.curves[0].criteria = {criterion};
+    std::vector<std::vector<double>> const values{{1, 2, 3}, {1, 3}, {5}};
+    for (std::size_t curve = 0; curve < values.size(); ++curve)
+        for (double const x : values[curve])
+            figure.points.push_back(
+                {.curve = curve,
+                 .x = x,
+                 .runs = {scene("'shardlow', 'drift'", {fmt::format("shardlow.friction={}", x)})},
+                 .quantities = {{"q", {.value = 10.0 * x, .error = 0.1 * x, .blocks = 9}},
+                                {"r", {.value = x, .error = 0.5, .blocks = 9}}}});
+    return figure;
+}
+
+std::string complaint_of_comparing(std::string const& quantity, std::string const& theory) {
+    try {
+        compare(made_figure({.quantity = quantity, .theory = theory}));
+    } catch (InputError const& error) {
+        return error.what();
+    }
+    return "";
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(what_a_quantity_is_compared_with) {
+    struct Reference {
+        std::string theory;
+        std::vector<double> x, value, error;
+    };
+    double const value = 4.0;
+    std::vector<Reference> const references{
+        {"value", {1, 2, 3}, {value, value, value}, {0, 0, 0}},
+        {"previous", {2, 3}, {10, 20}, {0.1, 0.2}},             // the first point has none
+        {"curve:c", {1, 2, 3}, {50, 50, 50}, {0.5, 0.5, 0.5}},  // one point stands for all x
+        {"quantity:r", {1, 2, 3}, {1, 2, 3}, {0.5, 0.5, 0.5}},
+        {"curve:a", {1, 2, 3}, {10, 20, 30}, {0.1, 0.2, 0.3}},
+    };
+    for (auto const& reference : references) BOOST_TEST_CONTEXT(reference.theory) {
+            auto const comparisons =
+                compare(made_figure({.quantity = "q", .theory = reference.theory, .value = value}));
+            BOOST_REQUIRE_EQUAL(comparisons.size(), reference.x.size());
+            for (std::size_t k = 0; k < comparisons.size(); ++k) {
+                auto const& c = comparisons[k];
+                BOOST_TEST(c.curve == "a");
+                BOOST_TEST(c.x == reference.x[k]);
+                BOOST_TEST(c.estimate.value == 10.0 * c.x);
+                BOOST_TEST(c.theory == reference.value[k]);
+                BOOST_TEST(c.theory_error == reference.error[k], tolerance(1e-15));
+            }
+        }
+    // a closed form at the parameters of the point's scene: n = 3, m = 2, d = 3
+    auto const comparisons = compare(made_figure({.quantity = "q", .theory = "ng-phi"}));
+    BOOST_TEST(comparisons.size() == 3u);
+    for (auto const& c : comparisons)
+        BOOST_TEST(c.theory == 3.0 * c.x * (std::numbers::pi / 3.0) / (3.0 * 2.0), tolerance(1e-12));
+
+    // "previous" is not taken from another curve
+    Figure figure = made_figure({});
+    figure.curves[0].criteria.clear();
+    figure.curves[1].criteria = figure.curves[2].criteria = {{.quantity = "q", .theory = "previous"}};
+    BOOST_TEST(compare(figure).size() == 1u);
+    BOOST_TEST(compare(figure)[0].x == 3.0);
+    BOOST_TEST(compare(figure)[0].theory == 10.0);
+}
+
+BOOST_AUTO_TEST_CASE(what_is_not_measured_cannot_be_compared) {
+    BOOST_TEST(complaint_of_comparing("s", "value") == "figure made, curve a: its scene does not measure s");
+    BOOST_TEST(complaint_of_comparing("q", "quantity:s") == "figure made, curve a: no quantity:s at 1");
+    BOOST_TEST(complaint_of_comparing("q", "curve:b") == "figure made, curve a: curve:b has no q at 2");
+    BOOST_TEST(complaint_of_comparing("q", "curve:d") == "figure made, curve a: curve:d has no q at 1");
+}
+
+BOOST_AUTO_TEST_CASE(truth_table_of_relations) {
+    using enum Verdict;
+    // the theory is 1, the interval reaches 2.58 (at 1 %) errors to both sides
+    struct Row {
+        Relation relation;
+        double tolerance, value, error, theory_error;
+        Verdict verdict;
+    };
+    std::vector<Row> const rows{
+        {Relation::equal, 0.0, 1.02, 0.009, 0.0, agrees},
+        {Relation::equal, 0.0, 1.03, 0.009, 0.0, disagrees},
+        {Relation::equal, 0.0, 1.03, 0.009, 0.09, undecided},  // a measured reference has an error, too
+        {Relation::at_most, 0.0, 0.5, 0.1, 0.0, agrees},
+        {Relation::at_most, 0.0, 0.9, 0.1, 0.0, undecided},
+        {Relation::at_most, 0.0, 0.5, 0.1, 0.3, undecided},
+        {Relation::at_most, 0.0, 0.99, 0.009, 0.0, agrees},
+        {Relation::at_most, 0.0, 1.01, 0.009, 0.0, agrees},
+        {Relation::at_most, 0.0, 1.5, 0.1, 0.0, disagrees},
+        {Relation::at_most, 0.4, 1.2, 0.05, 0.0, agrees},
+        {Relation::at_most, 0.1, 1.5, 0.1, 0.0, disagrees},
+        {Relation::at_least, 0.0, 1.5, 0.1, 0.0, agrees},
+        {Relation::at_least, 0.0, 1.1, 0.1, 0.0, undecided},
+        {Relation::at_least, 0.0, 0.99, 0.009, 0.0, agrees},
+        {Relation::at_least, 0.0, 0.5, 0.1, 0.0, disagrees},
+        {Relation::differs, 0.0, 1.03, 0.01, 0.0, agrees},
+        {Relation::differs, 0.0, 0.97, 0.01, 0.0, agrees},
+        {Relation::differs, 0.0, 1.0, 0.001, 0.0, undecided},  // nothing can prove an exact equality
+        {Relation::differs, 0.0, 1.03, 0.01, 0.01, undecided},
+        {Relation::differs, 0.1, 1.2, 0.03, 0.0, agrees},
+        {Relation::differs, 0.1, 1.2, 0.05, 0.0, undecided},
+        {Relation::differs, 0.1, 1.05, 0.01, 0.0, disagrees},
+    };
+    for (auto const& row : rows) {
+        Comparison c;
+        c.criterion.relation = row.relation;
+        c.criterion.tolerance = row.tolerance;
+        c.estimate = {.value = row.value, .error = row.error, .blocks = 100'000};
+        c.theory = 1.0;
+        c.theory_error = row.theory_error;
+        c.seconds = 8.0;
+        BOOST_TEST_CONTEXT("relation " << int(row.relation) << ", tolerance " << row.tolerance << ": "
+                                       << row.value << " +- " << row.error) {
+            BOOST_TEST(name_of(judge(c, 1)) == name_of(row.verdict));
+            if (row.verdict != undecided) BOOST_TEST(seconds_to_decide(c, 1) == 0.0);
+            if (row.verdict == undecided && row.relation != Relation::differs)
+                BOOST_TEST(seconds_to_decide(c, 1) > 0.0);
+        }
+    }
+    // four times the time halves the error: then 0.13 is 2.6 errors
+    Comparison c;
+    c.criterion.relation = Relation::at_least;
+    c.estimate = {.value = 1.13, .error = 0.1, .blocks = 100'000};
+    c.theory = 1.0;
+    c.seconds = 8.0;
+    BOOST_TEST(seconds_to_decide(c, 1) == 8.0 * (std::pow(2.5758 / 1.3, 2) - 1.0), tolerance(1e-3));
+}
+
+// --- running ---------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(points_share_runs_and_join_curves) {
+    std::string const at_rest =
+        "[curve.set]\n'sample.mean_square_displacement.longest' = 0.6\n"
+        "'sample.velocity_autocorrelation.longest' = 1.0\n";
+    std::string const sheared = "[curve.set]\n'sample.observables' = ['stress']\n'box.shear_rate' = 0.5\n";
+    std::string const vary = "vary = 'shardlow.friction'\nvalues = ";
+    std::vector<Figure> pair{
+        load(with_curves("[[curve]]\nname = 'shear'\njoin = 'rest'\n" + vary + "[1, 2, 5]\n" + sheared +
+                         "[[curve]]\nname = 'rest'\n" + vary + "[1, 2]\n" + at_rest +
+                         "[[curve]]\nname = 'one'\n" + vary + "[1]\n" + sheared +
+                         "[[curve]]\nname = 'bins'\nrecord = 'velocity_autocorrelation'\njoin = 'one'\n"
+                         "from = 0.15\nto = 0.65\nevery = 2\n" +
+                         at_rest + "'shardlow.friction' = 2\n" +
+                         "[[curve]]\nname = 'all bins'\nrecord = 'velocity_autocorrelation'\n" + at_rest +
+                         "'shardlow.friction' = 2\n")),
+        load(with_curves("[[curve]]\nname = 'again'\n" + vary + "[1]\n" + at_rest))};
+    auto const cache = directory / "cache";
+    run_points(pair, {.cache = cache, .output = directory, .jobs = 2});
+    auto const count = [&] {
+        return std::distance(std::filesystem::directory_iterator(cache),
+                             std::filesystem::directory_iterator());
+    };
+    BOOST_TEST(count() == 2 * 5);  // two seeds; three frictions in shear, two at rest
+
+    auto const& points = pair[0].points;
+    auto const on = [&](std::string const& name) {
+        std::vector<Point> found;
+        for (auto const& point : points)
+            if (pair[0].curves[point.curve].name == name) found.push_back(point);
+        return found;
+    };
+    auto const value = [](Point const& point, std::string const& name) {
+        return estimate_of(point.quantities, name).value;
+    };
+    auto const shear = on("shear"), rest = on("rest"), bins = on("bins"), all = on("all bins");
+    BOOST_TEST(shear.size() == 3u);
+    BOOST_TEST(rest.size() == 2u);
+    // joined at the same x; what a point has measured itself it keeps
+    for (std::size_t p : {0, 1}) {
+        for (char const* name : {"diffusion_constant", "green_kubo_diffusion_constant"})
+            BOOST_TEST(value(shear[p], name) == value(rest[p], name));
+        BOOST_TEST(value(shear[p], "schmidt_number") ==
+                       value(shear[p], "viscosity") / (2.0 * value(rest[p], "diffusion_constant")),
+                   tolerance(1e-14));
+        BOOST_TEST((find_quantity(rest[p].quantities, "viscosity") == nullptr));
+        BOOST_TEST(shear[p].seconds > rest[p].seconds);
+    }
+    BOOST_TEST(value(rest[0], "diffusion_constant") != value(rest[1], "diffusion_constant"));
+    BOOST_TEST((find_quantity(shear[2].quantities, "diffusion_constant") == nullptr));
+    BOOST_TEST(value(pair[1].points[0], "diffusion_constant") == value(rest[0], "diffusion_constant"));
+
+    // bins of the record, with the quantities of the only point of the curve they join
+    std::vector<Record> records;
+    for (Scene const& scene_of_seed : rest[1].runs) records.push_back(run(scene_of_seed).record);
+    auto const curve = curve_of(rest[1].runs[0], records, "velocity_autocorrelation");
+    BOOST_TEST(curve.x.size() == 11u);
+    BOOST_REQUIRE_EQUAL(all.size(), 11u);
+    BOOST_REQUIRE_EQUAL(bins.size(), 3u);
+    for (std::size_t bin = 0; bin < 11; ++bin) {
+        BOOST_TEST(all[bin].x == curve.x[bin]);
+        BOOST_TEST(value(all[bin], "velocity_autocorrelation") == curve.y[bin].value);
+        BOOST_TEST(estimate_of(all[bin].quantities, "velocity_autocorrelation").error == curve.y[bin].error);
+        BOOST_TEST(estimate_of(all[bin].quantities, "velocity_autocorrelation").blocks > 2u);
+        BOOST_TEST((find_quantity(all[bin].quantities, "hydrodynamic_tail") == nullptr));
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        std::size_t const bin = 2 * (k + 1);
+        double const t = 0.1 * double(bin), D = value(rest[1], "green_kubo_diffusion_constant");
+        BOOST_TEST(bins[k].x == curve.x[bin]);
+        BOOST_TEST(value(bins[k], "velocity_autocorrelation") == curve.y[bin].value);
+        BOOST_TEST(value(bins[k], "exponential_decay") == std::exp(-t / D), tolerance(1e-12));
+        BOOST_TEST(value(bins[k], "viscosity") == value(shear[0], "viscosity"));
+        theory::Gas const gas{.d = 2, .n = 2.0};
+        BOOST_TEST(value(bins[k], "hydrodynamic_tail") == theory::velocity_autocorrelation_tail_in_box(
+                                                              gas, value(shear[0], "viscosity"), D, 4.0, t),
+                   tolerance(1e-12));
+    }
+    BOOST_TEST(all[0].seconds * 11.0 == rest[1].seconds, tolerance(1e-12));
+
+    // again: from the cache, the same
+    auto const first = on("shear")[0];
+    std::vector<Figure> again{load(with_curves("[[curve]]\nname = 'shear'\n" + vary + "[1]\n" + sheared))};
+    run_points(again, {.cache = cache, .output = directory});
+    BOOST_TEST(count() == 2 * 5);
+    BOOST_TEST(value(again[0].points[0], "viscosity") == value(first, "viscosity"));
+    BOOST_TEST(again[0].points[0].seconds + rest[0].seconds == first.seconds, tolerance(1e-12));
+}
+
+// --- files -----------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
+    std::ofstream(directory / "style.gp").close();
+    std::ofstream(directory / "test" / "plot.gp").close();
+    Figure figure = made_figure({.quantity = "q", .theory = "previous", .relation = Relation::differs});
+    figure.directory = directory / "test";
+    figure.points[2].quantities[0].estimate.error = NAN;  // a single block
+    auto const comparisons = compare(figure);
+    auto const output = directory / "output";
+    if (std::system("command -v gnuplot >/dev/null") == 0)
+        write_figure(figure, comparisons, "quick", output);
+    else
+        BOOST_CHECK_THROW(write_figure(figure, comparisons, "quick", output), InputError);
+
+    std::ifstream stream(output / "data" / "made.dat");
+    std::ostringstream content;
+    content << stream.rdbuf();
+    std::string const text = content.str();
+    for (std::string const part :
+         {"# a:q:previous\n2 20 0.2 10 1 ", "# all:a:q\n1 10 0.1\n2 20 0.2\n3 30 nan\n\n\n",
+          "# all:b:r\n1 1 0.5\n3 3 0.5\n\n\n", "# all:c:q\n5 50 0.5\n\n\n"})
+        BOOST_TEST(text.find(part) != std::string::npos, part << " is not in\n" << text);
+
+    auto const loaded = load_comparisons(output);
+    BOOST_REQUIRE_EQUAL(loaded.size(), comparisons.size());
+    for (std::size_t k = 0; k < loaded.size(); ++k) {
+        auto const &a = loaded[k], &b = comparisons[k];
+        BOOST_TEST(a.figure == b.figure);
+        BOOST_TEST(a.curve == b.curve);
+        BOOST_TEST(a.parameter == b.parameter);
+        BOOST_TEST(a.x == b.x);
+        BOOST_TEST(a.criterion.theory == b.criterion.theory);
+        BOOST_TEST((a.criterion.relation == Relation::differs));
+        BOOST_TEST(a.estimate.value == b.estimate.value);
+        BOOST_TEST((a.estimate.error == b.estimate.error || (k == 1 && std::isnan(a.estimate.error))));
+        BOOST_TEST(a.theory == b.theory);
+        BOOST_TEST(a.theory_error == b.theory_error);
+        BOOST_TEST(name_of(judge(a, 3)) == name_of(judge(b, 3)));
+    }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+// --- derived quantities ----------------------------------------------------------------------------------
+
+namespace {
+
+theory::Shardlow thermostat_of(Scene const& scene) {
+    return {
+        .gamma = scene.shardlow.friction, .weight = scene.shardlow.weight, .scheme = scene.shardlow.scheme};
+}
+
+}  // namespace
+
+// Friction and potential have ranges of their own.
+BOOST_DATA_TEST_CASE(integrals_of_g_are_closed_forms_where_g_is_one,
+                     data::make({2, 3}) * data::make({"shardlow.weight=linear", "shardlow.weight=quadratic",
+                                                      "shardlow.scheme=exponential"}),
+                     d, assignment) {
+    Scene const fluid =
+        scene("'shardlow', 'verlet', 'sample'",
+              {fmt::format("dimension={}", d), d == 2 ? "box.length=[5, 6]" : "seed=1", "shardlow.cutoff=1.2",
+               "verlet.soft.cutoff=0.9", "shardlow.kT=0.8", assignment});
+    Record record;
+    record.curves["radial_distribution"] =
+        made(40, 0.025, 0.05, 2, [](double, Eigen::Index block) { return scattered(1.0, 0.1, block); });
+    auto const quantities = analyze(fluid, {record});
+    theory::Gas const gas{.d = d, .n = 3.0, .m = 2.0, .kT = 0.8, .rc = 1.2};
+    double const rate = theory::relaxation_rate(gas, thermostat_of(fluid));
+    check_estimate(quantities, "dpd_relaxation_rate", rate, 0.1 * rate, 1e-7);
+    double const collision = theory::collision_viscosity(gas, thermostat_of(fluid), 0.1);
+    check_estimate(quantities, "collision_viscosity_by_g", collision, 0.1 * collision, 1e-7);
+    // m n/(2(d+2)) times [|f| r^2]/[|f|], which is 3/10 or 2/5 of the squared range whatever the level of g
+    double const per_rate = 6.0 / (2.0 * (d + 2)) * (d == 2 ? 0.3 : 0.4) * 0.81;
+    check_estimate(quantities, "potential_viscosity_per_rate", per_rate, 0.0, 1e-7);
+    check_estimate(quantities, "pair_density", 1.0, 0.1);
+}
+
+BOOST_AUTO_TEST_CASE(integrals_of_g_by_hand) {
+    // no pairs below 1/2, by the record or by bins of it; beyond a record g is one
+    Scene const gas = scene("'shardlow', 'sample', 'drift'");
+    double const rate = 3.0 * 4.5 * (4.0 * std::numbers::pi * 11.0 / 192.0) / (3.0 * 2.0);
+    for (std::size_t bins : {10u, 20u, 40u}) {
+        Record record;
+        record.curves["radial_distribution"] =
+            made(bins, 0.025, 0.05, 2, [](double r, Eigen::Index) { return r < 0.5 ? 0.0 : 1.0; });
+        check_estimate(analyze(gas, {record}), "dpd_relaxation_rate", rate, 0.0, 1e-7);
+    }
+    // what the scene does not have is not derived
+    Record record;
+    record.curves["radial_distribution"] = made(20, 0.05, 0.1, 2, [](double, Eigen::Index) { return 1.0; });
+    for (auto const& [stages, has_friction, has_potential] :
+         {std::tuple("'shardlow', 'sample', 'drift'", true, false),
+          std::tuple("'verlet', 'sample'", false, false),
+          std::tuple("'sample', 'shardlow', 'verlet'", true, true)}) {
+        auto const quantities = analyze(scene(stages), {record});
+        BOOST_TEST((find_quantity(quantities, "dpd_relaxation_rate") != nullptr) == has_friction);
+        BOOST_TEST((find_quantity(quantities, "collision_viscosity_by_g") != nullptr) == has_friction);
+        BOOST_TEST((find_quantity(quantities, "potential_viscosity_per_rate") != nullptr) == has_potential);
+    }
+}
+
+// C(t) of eq. 17: a geometric sequence, summed as free flight in steps asks for.
+BOOST_DATA_TEST_CASE(moment_and_integral_of_an_exponential, data::make({0.5, 0.9}) * data::make({0.0, 0.3}),
+                     rho, shear_rate) {
+    Scene const gas = scene("'shardlow', 'sample', 'drift'", {fmt::format("box.shear_rate={}", shear_rate)});
+    double const components = shear_rate == 0.0 ? 3.0 : 2.0, dt = 0.1, C0 = 0.5;
+    Record record;
+    record.curves["velocity_autocorrelation"] = made(501, 0.0, dt, 2, [&](double t, Eigen::Index block) {
+        return components * scattered(C0 * std::pow(rho, t / dt), 0.01, block);
+    });
+    record.curves["mean_square_displacement"] = made(21, 0.0, dt, 2, [&](double t, Eigen::Index block) {
+        return scattered(2.0 * components * 0.7 * t, 0.02, block);
+    });
+    auto quantities = analyze(gas, {record});
+    double const D = C0 * dt * (1.0 / (1.0 - rho) - 0.5);
+    check_estimate(quantities, "green_kubo_diffusion_constant", D, 0.01 * D, 1e-11);
+    check_estimate(quantities, "correlation_moment", 4.0 * rho / std::pow(1.0 + rho, 2), 0.0, 1e-11);
+    check_estimate(quantities, "diffusion_constant", 0.7, 0.02 * 0.7, 1e-11);
+
+    auto const curve = curve_of(gas, {record, record}, "velocity_autocorrelation");
+    BOOST_TEST(curve.x.size() == 501u);
+    BOOST_TEST(curve.x[7] == 0.7, tolerance(1e-15));
+    BOOST_TEST(curve.y[7].value == C0 * std::pow(rho, 7), tolerance(1e-12));
+    BOOST_TEST(curve.y[7].blocks == 4u);
+    BOOST_TEST(curve_of(gas, {record}, "radial_distribution").x.empty());
+
+    // the exponential of the same integral; kT/m is 1/2
+    derive_at_lag(gas, quantities, 0.4);
+    double const decay = 0.5 * std::exp(-0.4 * 0.5 / D);
+    check_estimate(quantities, "exponential_decay", decay, decay * 0.01 * (0.4 * 0.5 / D), 0.05);
+    BOOST_TEST(estimate_of(quantities, "exponential_decay").value == decay, tolerance(1e-10));
+}
+
+BOOST_AUTO_TEST_CASE(temperature_profile_of_a_made_up_flow) {
+    double const L = 6.0, kT = 0.9, share = 0.05, m = 2.0;
+    auto const flow = [=](double y) { return 0.3 * std::sin(2.0 * std::numbers::pi * y / L); };
+    auto const temperature = [=](double y) {
+        return kT * (1.0 + share * std::cos(4.0 * std::numbers::pi * y / L) +
+                     0.2 * std::cos(2.0 * std::numbers::pi * y / L));
+    };
+    for (double const rate : {0.0, 0.4}) {
+        Scene const fluid = scene("'shardlow', 'sample', 'drift'", {fmt::format("box.shear_rate={}", rate)});
+        Record record;
+        // as sampled: the mean velocity, and the square of the velocity relative to the imposed flow
+        record.curves["velocity_profile"] =
+            made(40, 0.075, 0.15, 3, [&](double y, Eigen::Index) { return rate * (y - 0.5 * L) + flow(y); });
+        record.curves["velocity_squared_profile"] =
+            made(40, 0.075, 0.15, 3, [&](double y, Eigen::Index block) {
+                return 3.0 * scattered(temperature(y), 0.03, block) / m + flow(y) * flow(y);
+            });
+        // the third block never saw a particle in one bin
+        for (auto& [name, curve] : record.curves) curve.sum(7, 2) = curve.weight(7, 2) = 0.0;
+        auto const quantities = analyze(fluid, {record});
+        check_estimate(quantities, "profile_temperature", kT, 0.03 * kT);
+        check_estimate(quantities, "temperature_modulation", share, 0.0);
+        if (rate != 0.0)
+            check_estimate(quantities, "profile_slope",
+                           1.0 - 0.3 / rate * std::pow(std::numbers::pi, -1) * 6.0 / L, 0.0, 2e-3);
+        auto const profile = curve_of(fluid, {record}, "temperature_profile");
+        BOOST_REQUIRE_EQUAL(profile.x.size(), 40u);
+        for (std::size_t bin = 0; bin < 40; ++bin) {
+            double const y = 0.075 + 0.15 * double(bin);
+            BOOST_TEST(profile.x[bin] == y, tolerance(1e-14));
+            BOOST_TEST(profile.y[bin].blocks == (bin == 7 ? 2u : 3u));
+            BOOST_TEST(profile.y[bin].value == temperature(y) * (bin == 7 ? 1.0 : 1.01), tolerance(1e-12));
+        }
+        // a record without squares has no temperature
+        record.curves.erase("velocity_squared_profile");
+        BOOST_TEST((find_quantity(analyze(fluid, {record}), "profile_temperature") == nullptr));
+        BOOST_TEST(curve_of(fluid, {record}, "temperature_profile").x.empty());
+    }
+}
+
+// The numerator is twice the denominator plus noise; an error of either's mean alone would be much larger.
+BOOST_AUTO_TEST_CASE(ratios_of_means_and_their_error) {
+    Scene const fluid = scene("'verlet', 'sample'");
+    Record record;
+    record.series["laplacian"] = {1.0, 2.0, 3.0};
+    record.series["force_squared"] = {2.1, 3.8, 6.1};
+    check_estimate(analyze(fluid, {record}), "configurational_temperature", 2.0,
+                   std::sqrt(0.06 / (3.0 * 2.0)) / 2.0);
+    // longer runs count more, unlike in a mean of ratios
+    Record other;
+    other.series["laplacian"] = {5.0};
+    other.series["force_squared"] = {20.0};
+    BOOST_TEST(
+        estimate_of(analyze(fluid, {record, other}), "configurational_temperature").value == 32.0 / 11.0,
+        tolerance(1e-12));
+    // an ideal gas has neither
+    record.series["laplacian"] = record.series["force_squared"] = {0.0, 0.0};
+    BOOST_TEST((find_quantity(analyze(fluid, {record}), "configurational_temperature") == nullptr));
+}
+
+BOOST_AUTO_TEST_CASE(viscosities_of_made_up_stresses) {
+    double const rate = 0.5;
+    Record record;
+    record.series["kinetic_stress"] = {1.0, 2.0, 3.0};
+    record.series["collision_stress"] = {9.0, 0.0, 0.0};
+    for (bool const with_potential : {false, true})
+        for (bool const with_friction : {false, true}) {
+            record.series.erase("potential_stress");
+            record.series.erase("friction_stress");
+            if (with_potential) record.series["potential_stress"] = {0.4, 0.9, 1.7};
+            if (with_friction) record.series["friction_stress"] = {3.0, 3.3, 2.7};
+            double const potential = with_potential ? 1.0 : 0.0,
+                         collision_error = with_friction ? std::sqrt(0.18 / 6.0) : 3.0;
+            Scene const fluid =
+                scene("'shardlow', 'sample', 'drift'", {fmt::format("box.shear_rate={}", rate)});
+            auto const quantities = analyze(fluid, {record});
+            BOOST_TEST_CONTEXT(with_potential << with_friction) {
+                check_estimate(quantities, "kinetic_viscosity", 4.0, std::sqrt(2.0 / 6.0) / rate);
+                check_estimate(quantities, "collision_viscosity", 6.0, collision_error / rate);
+                BOOST_TEST(estimate_of(quantities, "viscosity").value == 10.0 + potential / rate,
+                           tolerance(1e-12));
+                BOOST_TEST(estimate_of(quantities, "viscosity_ratio").value == 1.5 + 0.5 * potential,
+                           tolerance(1e-12));
+                BOOST_TEST((find_quantity(quantities, "potential_viscosity") != nullptr) == with_potential);
+                if (with_potential)
+                    BOOST_TEST(estimate_of(quantities, "potential_viscosity").value == 2.0, tolerance(1e-12));
+            }
+            // at rest the stresses themselves
+            auto const at_rest = analyze(scene("'shardlow', 'sample', 'drift'"), {record});
+            check_estimate(at_rest, "kinetic_stress", 2.0, std::sqrt(2.0 / 6.0));
+            check_estimate(at_rest, "collision_stress", 3.0, collision_error);
+            BOOST_TEST((find_quantity(at_rest, "viscosity") == nullptr));
+            BOOST_TEST((find_quantity(at_rest, "viscosity_ratio") == nullptr));
+        }
+}
+
+BOOST_AUTO_TEST_CASE(derived_quantities_and_their_errors) {
+    Scene const fluid = scene("'shardlow', 'verlet', 'sample'", {"shardlow.kT=0.8"});  // n = 3, m = 2
+    std::vector<Quantity> const measured{
+        {"viscosity", {.value = 2.0, .error = 0.002, .blocks = 20}},
+        {"diffusion_constant", {.value = 0.4, .error = 0.0003, .blocks = 8}},
+        {"green_kubo_diffusion_constant", {.value = 0.25, .error = 0.0001, .blocks = 5}},
+        {"potential_viscosity", {.value = 0.6, .error = 0.0006, .blocks = 7}},
+        {"potential_viscosity_per_rate", {.value = 0.2, .error = 0.0004, .blocks = 9}},
+        {"dpd_relaxation_rate", {.value = 1.0, .error = 0.001, .blocks = 30}},
+    };
+    auto quantities = measured;
+    derive(fluid, quantities);
+    BOOST_TEST(quantities.size() == measured.size() + 3);
+    // relative errors add in squares
+    double const within = 2e-3, schmidt = 2.0 / (3.0 * 2.0 * 0.4);
+    BOOST_TEST(estimate_of(quantities, "schmidt_number").value == schmidt, tolerance(1e-12));
+    check_estimate(quantities, "schmidt_number", schmidt, schmidt * std::hypot(0.001, 0.00075), within);
+    BOOST_TEST(estimate_of(quantities, "schmidt_number").blocks == 8u);  // of what is known least
+    BOOST_TEST(estimate_of(quantities, "potential_relaxation_rate").value == 3.0, tolerance(1e-12));
+    check_estimate(quantities, "potential_relaxation_rate", 3.0, 3.0 * std::hypot(0.001, 0.002), within);
+    // eq. 14: n kT/(2 (3 + 1))
+    double const phi_error = std::hypot(3.0 * std::hypot(0.001, 0.002), 0.001);
+    BOOST_TEST(estimate_of(quantities, "kinetic_viscosity_by_rates").value == 0.3, tolerance(1e-12));
+    check_estimate(quantities, "kinetic_viscosity_by_rates", 0.3, 0.3 * phi_error / 4.0, within);
+    BOOST_TEST(estimate_of(quantities, "kinetic_viscosity_by_rates").blocks == 7u);
+
+    // the tail: in a cube, after a time, where both transport coefficients are known
+    Scene const cube = scene("'shardlow', 'verlet', 'sample'", {"shardlow.kT=0.8", "box.length=[5, 5, 5]"});
+    auto at_lag = measured;
+    derive_at_lag(cube, at_lag, 3.0);
+    theory::Gas const gas{.d = 3, .n = 3.0, .m = 2.0, .kT = 0.8};
+    auto const tail = [&](double eta, double D) {
+        return theory::velocity_autocorrelation_tail_in_box(gas, eta, D, 5.0, 3.0);
+    };
+    BOOST_TEST(estimate_of(at_lag, "hydrodynamic_tail").value == tail(2.0, 0.25), tolerance(1e-12));
+    check_estimate(at_lag, "hydrodynamic_tail", tail(2.0, 0.25),
+                   std::hypot((tail(2.002, 0.25) - tail(1.998, 0.25)) / 2.0,
+                              (tail(2.0, 0.2501) - tail(2.0, 0.2499)) / 2.0),
+                   within);
+    BOOST_TEST(estimate_of(at_lag, "exponential_decay").value == 0.4 * std::exp(-3.0 * 0.4 / 0.25),
+               tolerance(1e-12));
+    for (auto const& [box, t, known] :
+         {std::tuple(&fluid, 3.0, 6u), std::tuple(&cube, 0.0, 6u), std::tuple(&cube, 3.0, 0u)}) {
+        std::vector<Quantity> some(measured.begin(), measured.begin() + known);
+        derive_at_lag(*box, some, t);
+        BOOST_TEST(some.size() == known + (known > 0 ? 1u : 0u));
+        BOOST_TEST((find_quantity(some, "hydrodynamic_tail") == nullptr));
+    }
+    // nothing comes from nothing
+    std::vector<Quantity> none;
+    derive(fluid, none);
+    BOOST_TEST(none.empty());
+}
