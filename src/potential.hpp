@@ -2,6 +2,8 @@
 /// Conservative pair forces: the potentials, and what is summed over the pairs at one set of positions.
 #pragma once
 
+#include <variant>
+
 #include "simulation.hpp"
 
 namespace dpd {
@@ -19,15 +21,44 @@ struct Soft {
     double curvature(double) const { return strength / (cutoff * cutoff); }          ///< d2U/dr2
 };
 
-/// Forces at the present positions, one row per particle; computed once for each set of positions. With them
-/// goes `virial_xy`, sum over pairs of f e_x y_ij, if stresses are wanted.
+/// Lennard-Jones, U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) below the cutoff, the force truncated there.
+/// With `shifted` U is zero at the cutoff, which changes energies alone.
+struct LennardJones {
+    double epsilon = 1.0;
+    double sigma = 1.0;
+    double cutoff = 2.5;
+    bool shifted = false;
+    double energy(double r) const { return plain_energy(r) - (shifted ? plain_energy(cutoff) : 0.0); }
+    double force(double r) const {
+        double const s6 = sixth_power(r);
+        return 24.0 * epsilon * s6 * (2.0 * s6 - 1.0) / r;
+    }
+    double curvature(double r) const {
+        double const s6 = sixth_power(r);
+        return 24.0 * epsilon * s6 * (26.0 * s6 - 7.0) / (r * r);
+    }
+
+private:
+    double sixth_power(double r) const {
+        double const x2 = sigma * sigma / (r * r);
+        return x2 * x2 * x2;
+    }
+    double plain_energy(double r) const {
+        double const s6 = sixth_power(r);
+        return 4.0 * epsilon * s6 * (s6 - 1.0);
+    }
+};
+
+/// What a scene may name.
+using AnyPotential = std::variant<Soft, LennardJones>;
+
+/// Adds the conservative forces at the present positions to `field`, one row per particle. Returns the sum
+/// over pairs of f e_x y_ij.
 template <int d, class Potential>
-Field<d> const& forces(Simulation<d>& simulation, Potential const& potential) {
-    if (simulation.forces_valid()) return simulation.force;
+double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d>& field) {
     auto const& pairs = simulation.pairs();
-    simulation.force.setZero(simulation.particles.size(), d);
     double* force[d];
-    for (int axis = 0; axis < d; ++axis) force[axis] = simulation.force.col(axis).data();
+    for (int axis = 0; axis < d; ++axis) force[axis] = field.col(axis).data();
     double virial = 0.0;
     for (std::size_t k = 0; k < pairs.count; ++k) {
         double const r = pairs.distance[k];
@@ -41,8 +72,17 @@ Field<d> const& forces(Simulation<d>& simulation, Potential const& potential) {
         }
         virial += f * pairs.unit[0][k] * pairs.unit[1][k] * r;
     }
-    simulation.virial_xy = virial;
     simulation.counters.potential_evaluations += pairs.count;
+    return virial;
+}
+
+/// The conservative forces at the present positions, computed once for each set of positions.
+template <int d, class Potential>
+Field<d> const& forces(Simulation<d>& simulation, Potential const& potential) {
+    if (simulation.forces_valid()) return simulation.force;
+    simulation.pairs();  // may sort the particles
+    simulation.force.setZero(simulation.particles.size(), d);
+    simulation.pair_virials = {.potential = add_forces(simulation, potential, simulation.force)};
     simulation.forces_found();
     return simulation.force;
 }
@@ -51,8 +91,10 @@ Field<d> const& forces(Simulation<d>& simulation, Potential const& potential) {
 template <int d, class Potential>
 PotentialSums potential_sums(Simulation<d>& simulation, Potential const& potential) {
     PotentialSums sums;
-    sums.force_squared = forces(simulation, potential).square().sum();
     auto const& pairs = simulation.pairs();
+    Field<d> force = Field<d>::Zero(simulation.particles.size(), d);
+    add_forces(simulation, potential, force);
+    sums.force_squared = force.square().sum();
     for (std::size_t k = 0; k < pairs.count; ++k) {
         double const r = pairs.distance[k];
         if (r >= potential.cutoff) continue;

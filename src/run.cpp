@@ -48,7 +48,27 @@ Stage<d> make_stage(Scene const& scene, std::string const& name,
         auto const& p = scene.body_force;
         return {name, BodyForce<d>{.acceleration = p.acceleration, .opposed = p.opposed}};
     }
-    if (name == "verlet") return {name, Verlet<d, Soft>{.potential = scene.soft, .substeps = scene.substeps}};
+    if (name == "verlet")
+        return std::visit(
+            [&](auto const& potential) -> Stage<d> {
+                return {name, Verlet<d, std::decay_t<decltype(potential)>>{.potential = potential,
+                                                                           .substeps = scene.substeps}};
+            },
+            scene.potential);
+    if (name == "modified_verlet")
+        return std::visit(
+            [&](auto const& potential) -> Stage<d> {
+                auto const& p = scene.modified_verlet;
+                ModifiedVerlet<d, std::decay_t<decltype(potential)>> stage;
+                stage.potential = potential;
+                stage.gamma = p.gamma;
+                stage.sigma = p.sigma;
+                stage.weight = p.weight;
+                stage.cutoff = p.cutoff;
+                stage.lambda = p.lambda;
+                return {name, stage};
+            },
+            scene.potential);
     if (name == "euler") {
         auto const& p = scene.euler;
         return {name, EulerImpulses<d>{.gamma = p.gamma,
@@ -80,6 +100,8 @@ void archive_state(Archive& archive, Simulation<d>& simulation) {
     archive("checkpoint/stress/streamed", streamed);
     archive("checkpoint/stress/kinetic", stress.kinetic);
     archive("checkpoint/stress/potential", stress.potential);
+    archive("checkpoint/stress/collision", stress.collision);
+    archive("checkpoint/stress/friction", stress.friction);
     archive("checkpoint/stress/rescaling", stress.rescaling);
     stress.streamed = streamed != 0;
 
@@ -94,7 +116,9 @@ void archive_state(Archive& archive, Simulation<d>& simulation) {
     archive("checkpoint/forces/found", forces);
     if (forces) {
         archive("checkpoint/forces/force", simulation.force);
-        archive("checkpoint/forces/virial_xy", simulation.virial_xy);
+        archive("checkpoint/forces/potential_virial", simulation.pair_virials.potential);
+        archive("checkpoint/forces/thermostat_virial", simulation.pair_virials.thermostat);
+        archive("checkpoint/forces/friction_virial", simulation.pair_virials.friction);
         simulation.forces_found();
     }
 }
@@ -369,9 +393,10 @@ void add_integrals_of_g(Scene const& scene, std::vector<Record> const& records, 
                 return theory::collision_viscosity(gas, thermostat, scene.time_step, g);
             }));
     }
-    if (scene.has_stage("verlet") && scene.soft.strength > 0.0 && gas.kT > 0.0) {
-        gas.rc = scene.soft.cutoff;
-        theory::Soft const soft{.a = scene.soft.strength / gas.kT};
+    auto const* const repulsion = std::get_if<Soft>(&scene.potential);
+    if (scene.has_potential() && repulsion && repulsion->strength > 0.0 && gas.kT > 0.0) {
+        gas.rc = repulsion->cutoff;
+        theory::Soft const soft{.a = repulsion->strength / gas.kT};
         add("potential_viscosity_per_rate",
             over_g([&](auto const& g) { return theory::potential_viscosity(gas, soft, 1.0, g); }));
     }
@@ -386,15 +411,21 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.box.shear_rate = scene.shear_rate;
     simulation.particles.mass = scene.mass;
     simulation.particles.resize(static_cast<Eigen::Index>(scene.particles));
-    randomize(simulation.particles, simulation.box, scene.kT, scene.seed);
+    randomize(simulation.particles, simulation.box, scene.kT, scene.seed, scene.start);
     simulation.seed = scene.seed;
     simulation.time_step = scene.time_step;
 
     simulation.hottest = divergence_factor * std::max(scene.kT, scene.thermostat_kT());
     simulation.pair_search.cutoff = scene.cutoff() > 0.0 ? scene.cutoff() : 1.0;
     simulation.stage_stress.wanted = scene.sample.stress;
-    if (scene.has_stage("verlet"))
-        simulation.potential_sums = [soft = scene.soft](Simulation<d>& s) { return potential_sums(s, soft); };
+    if (scene.has_potential())
+        std::visit(
+            [&](auto const& potential) {
+                simulation.potential_sums = [potential](Simulation<d>& s) {
+                    return potential_sums(s, potential);
+                };
+            },
+            scene.potential);
     simulation.pair_search.search = scene.search;
     simulation.pair_search.order = scene.order;
     for (auto const& name : scene.stages) simulation.stages.push_back(make_stage<d>(scene, name, sample));

@@ -153,9 +153,10 @@ void Recorder<d>::sample_stress(Simulation<d>& simulation) {
     if (simulation.potential_sums) series["potential_stress"].push_back(stage.potential);
     if (parameters_.friction_stress) series["friction_stress"].push_back(stage.friction);
     series["collision_stress"].push_back(
-        stage.rescaling + (simulation.pairs_of_step() ? collision_stress(simulation.pairs(), particles.mass,
-                                                                         box, simulation.time_step)
-                                                      : 0.0));
+        stage.rescaling + stage.collision +
+        (simulation.pairs_of_step()
+             ? collision_stress(simulation.pairs(), particles.mass, box, simulation.time_step)
+             : 0.0));
 }
 
 template <int d>

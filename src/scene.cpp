@@ -88,8 +88,9 @@ void override_key(toml::table& table, std::string const& assignment, std::string
 
 namespace {
 
-constexpr std::array<std::string_view, 10> stage_names{
-    "shardlow", "lowe", "euler", "kick", "drift", "verlet", "rescale", "body_force", "scatter", "sample"};
+constexpr std::array<std::string_view, 11> stage_names{
+    "modified_verlet", "shardlow", "lowe",       "euler",   "kick",  "drift",
+    "verlet",          "rescale",  "body_force", "scatter", "sample"};
 constexpr std::array<std::string_view, 7> observable_names{
     "friction_stress", "kinetic_temperature",        "momentum", "stress", "potential_energy",
     "pressure",        "configurational_temperature"};
@@ -100,10 +101,10 @@ std::uint64_t steps_of(double time, double step) {
     return static_cast<std::uint64_t>(std::llround(time / step));
 }
 
-Weight read_weight(TomlReader& reader, std::string const& key) {
+Weight read_weight(TomlReader& reader, std::string const& key, std::string const& fallback = "linear") {
     std::array<std::string_view, weights.size()> names;
     std::transform(weights.begin(), weights.end(), names.begin(), [](auto const& w) { return w.name; });
-    return *weight_from_name(reader.text(key, "linear", names));
+    return *weight_from_name(reader.text(key, fallback, names));
 }
 
 void read_box(Scene& scene, TomlReader reader) {
@@ -125,6 +126,9 @@ void read_particles(Scene& scene, TomlReader reader) {
         reader.fail(reader.has("number") ? "number" : "density",
                     fmt::format("gives {:.0f} particles; allowed: 2 to 10^9", count));
     scene.particles = static_cast<std::uint64_t>(std::llround(count));
+    auto const start = reader.text("start", "random", start_names);
+    scene.start =
+        static_cast<Start>(std::find(start_names.begin(), start_names.end(), start) - start_names.begin());
     scene.mass = reader.number("mass", 1.0, positive);
     scene.kT = reader.number("kT", 1.0, non_negative);
     reader.finish();
@@ -180,13 +184,40 @@ void read_euler(Scene& scene, TomlReader& reader) {
     if (reader.has("random_weight")) p.random_weight = read_weight(reader, "random_weight");
 }
 
+void read_potential(Scene& scene, TomlReader& reader) {
+    if (reader.has("soft") == reader.has("lennard_jones"))
+        reader.fail("soft", "give either a table soft or a table lennard_jones");
+    if (auto table = reader.table("soft")) {
+        Soft soft;
+        soft.strength = table->number("strength", std::nullopt, non_negative);
+        soft.cutoff = table->number("cutoff", 1.0, positive);
+        table->finish();
+        scene.potential = soft;
+    }
+    if (auto table = reader.table("lennard_jones")) {
+        LennardJones lj;
+        lj.epsilon = table->number("epsilon", 1.0, positive);
+        lj.sigma = table->number("sigma", 1.0, positive);
+        lj.cutoff = table->number("cutoff", 2.5 * lj.sigma, positive);
+        lj.shifted = table->boolean("shifted", false);
+        table->finish();
+        scene.potential = lj;
+    }
+}
+
 void read_verlet(Scene& scene, TomlReader& reader) {
     scene.substeps = reader.integer("substeps", 1, positive_integer);
-    auto soft = reader.table("soft");
-    if (!soft) reader.fail("soft", "is missing; allowed: a table [verlet.soft] with at least strength");
-    scene.soft.strength = soft->number("strength", std::nullopt, non_negative);
-    scene.soft.cutoff = soft->number("cutoff", 1.0, positive);
-    soft->finish();
+    read_potential(scene, reader);
+}
+
+void read_modified_verlet(Scene& scene, TomlReader& reader) {
+    auto& p = scene.modified_verlet;
+    p.gamma = reader.number("gamma", std::nullopt, non_negative);
+    p.sigma = reader.number("sigma", std::nullopt, non_negative);
+    p.cutoff = reader.number("cutoff", 1.0, positive);
+    p.weight = read_weight(reader, "weight", "quadratic");
+    p.lambda = reader.number("lambda", 0.5, non_negative);
+    read_potential(scene, reader);
 }
 
 void read_rescale(Scene& scene, TomlReader& reader) {
@@ -220,12 +251,14 @@ struct StageTable {
 };
 
 // The stages that have parameters.
-constexpr std::array<StageTable, 6> stage_tables{{{"shardlow", "friction", read_shardlow},
-                                                  {"lowe", "rate", read_lowe},
-                                                  {"euler", "gamma and sigma", read_euler},
-                                                  {"verlet", "[verlet.soft]", read_verlet},
-                                                  {"rescale", "nothing", read_rescale},
-                                                  {"body_force", "acceleration", read_body_force}}};
+constexpr std::array<StageTable, 7> stage_tables{
+    {{"modified_verlet", "gamma, sigma and a potential", read_modified_verlet},
+     {"shardlow", "friction", read_shardlow},
+     {"lowe", "rate", read_lowe},
+     {"euler", "gamma and sigma", read_euler},
+     {"verlet", "a potential", read_verlet},
+     {"rescale", "nothing", read_rescale},
+     {"body_force", "acceleration", read_body_force}}};
 
 void read_stage_parameters(Scene& scene, TomlReader& root) {
     for (auto const& [stage, needs, read] : stage_tables) {
@@ -311,17 +344,23 @@ void check_stages(Scene const& scene, TomlReader const& root) {
     bool const has_pair_thermostat = count > 0;
     if (scene.sample.stress && count > 1)
         root.fail("stages", "have several pair thermostats; allowed with stress: one");
-    if (scene.has_stage("verlet") && scene.has_stage("drift"))
-        root.fail("stages", "has both verlet and drift; allowed: one of them moves the particles");
-    if (scene.has_stage("verlet") && scene.sample.stress && scene.equilibration_steps == 0)
-        root.fail("time", "has no equilibration; allowed with verlet and stress: at least one step");
-    if (scene.sample.friction_stress && !scene.has_stage("shardlow") && !scene.has_stage("lowe"))
-        root.fail("stages", "have no friction_stress to sample; allowed: with shardlow or lowe");
+    auto const movers = std::count_if(scene.stages.begin(), scene.stages.end(), [](std::string const& stage) {
+        return stage == "drift" || stage == "verlet" || stage == "modified_verlet";
+    });
+    if (scene.has_potential() && movers > 1)
+        root.fail("stages", "move the particles twice; allowed: one of drift, verlet and modified_verlet");
+    if (scene.has_potential() && scene.sample.stress && scene.equilibration_steps == 0)
+        root.fail("time", "has no equilibration; allowed with a potential and stress: at least one step");
+    if (scene.sample.friction_stress && !scene.has_stage("shardlow") && !scene.has_stage("lowe") &&
+        !scene.has_stage("modified_verlet"))
+        root.fail("stages",
+                  "have no friction_stress to sample; allowed: with shardlow, lowe or modified_verlet");
     bool impulses_wait = false, impulses_at_positions = false;
     for (auto const& stage : scene.stages) {
         if (stage == "euler") impulses_wait = true;
         if (is_pair_thermostat(stage)) impulses_at_positions = true;
-        if (stage == "drift" || stage == "verlet" || stage == "scatter") impulses_at_positions = false;
+        if (stage == "drift" || stage == "verlet" || stage == "modified_verlet" || stage == "scatter")
+            impulses_at_positions = false;
         if (stage == "kick" && !impulses_wait) root.fail("stages", "has a kick but no euler before it");
         if (stage == "sample" && scene.sample.stress && has_pair_thermostat && !impulses_at_positions)
             root.fail(
@@ -387,7 +426,9 @@ double Scene::cutoff() const {
     if (has_stage("shardlow")) longest = std::max(longest, shardlow.cutoff);
     if (has_stage("lowe")) longest = std::max(longest, lowe.cutoff);
     if (has_stage("euler")) longest = std::max(longest, euler.cutoff);
-    if (has_stage("verlet")) longest = std::max(longest, soft.cutoff);
+    if (has_stage("modified_verlet")) longest = std::max(longest, modified_verlet.cutoff);
+    if (has_potential())
+        longest = std::max(longest, std::visit([](auto const& p) { return p.cutoff; }, potential));
     return longest;
 }
 
@@ -396,6 +437,9 @@ double Scene::thermostat_kT() const {
     if (has_stage("shardlow")) highest = std::max(highest, shardlow.kT);
     if (has_stage("lowe")) highest = std::max(highest, lowe.kT);
     if (has_stage("rescale")) highest = std::max(highest, rescale.kT);
+    if (has_stage("modified_verlet") && modified_verlet.gamma > 0.0)
+        highest =
+            std::max(highest, modified_verlet.sigma * modified_verlet.sigma / (2.0 * modified_verlet.gamma));
     if (has_stage("euler") && euler.gamma > 0.0)
         highest = std::max(highest, euler.sigma * euler.sigma / (2.0 * euler.gamma));
     return highest;

@@ -39,6 +39,11 @@ struct BodyForceParameters {
     bool opposed = false;
 };
 
+struct ModifiedVerletParameters {
+    double gamma = 4.5, sigma = 3.0, cutoff = 1.0, lambda = 0.5;
+    Weight weight = Weight::quadratic;
+};
+
 struct EulerParameters {
     double gamma = 1.0, sigma = 1.0, cutoff = 1.0;
     Weight weight = Weight::linear;
@@ -61,7 +66,9 @@ struct Scene {
     RescaleParameters rescale;
     BodyForceParameters body_force;
     std::uint64_t substeps = 1;  ///< of the stage "verlet"
-    Soft soft;                   ///< its potential
+    ModifiedVerletParameters modified_verlet;
+    AnyPotential potential;  ///< of "verlet" or "modified_verlet"
+    Start start = Start::random;
     double time_step = 0.0;
     std::uint64_t equilibration_steps = 0;
     std::uint64_t production_steps = 0;
@@ -79,6 +86,7 @@ struct Scene {
     double density() const { return double(particles) / volume(); }
     std::uint64_t steps() const { return equilibration_steps + production_steps; }
     bool has_stage(std::string const& name) const;
+    bool has_potential() const { return has_stage("verlet") || has_stage("modified_verlet"); }
     double cutoff() const;         ///< the longest of the scene's pair interactions; 0 without any
     double thermostat_kT() const;  ///< the highest that a thermostat of the scene is set to; 0 without any
 

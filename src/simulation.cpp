@@ -93,17 +93,43 @@ Vec<d> total_momentum(Particles<d> const& particles, Box<d> const& box) {
     return particles.mass * momentum;
 }
 
+namespace {
+
+// The lattice has at least as many sites as there are particles; what is left over is spread evenly.
 template <int d>
-void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint64_t seed) {
+void put_on_lattice(Particles<d>& particles, Box<d> const& box) {
+    double const spacing = std::pow(box.volume() / double(particles.size()), 1.0 / d);
+    std::array<Eigen::Index, d> sides;
+    Eigen::Index sites = 1;
+    for (int axis = 0; axis < d; ++axis) {
+        sides[std::size_t(axis)] = static_cast<Eigen::Index>(std::ceil(box.length[axis] / spacing - 1e-9));
+        sites *= sides[std::size_t(axis)];
+    }
+    for (Eigen::Index p = 0; p < particles.size(); ++p) {
+        Eigen::Index site = p * sites / particles.size();
+        for (int axis = 0; axis < d; ++axis) {
+            auto const side = sides[std::size_t(axis)];
+            particles.position(p, axis) = box.length[axis] * (double(site % side) + 0.5) / double(side);
+            site /= side;
+        }
+    }
+}
+
+}  // namespace
+
+template <int d>
+void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint64_t seed, Start start) {
+    double const filled = start == Start::dense ? 0.5 : 1.0;
     double const thermal_speed = std::sqrt(kT / particles.mass);
     for (Eigen::Index p = 0; p < particles.size(); ++p)
         for (int axis = 0; axis < d; ++axis) {
             auto const id = particles.id[p];
             auto const component = static_cast<std::uint32_t>(axis);
             particles.position(p, axis) =
-                box.length[axis] * uniform({seed, 0, stream_positions}, id, component);
+                filled * box.length[axis] * uniform({seed, 0, stream_positions}, id, component);
             particles.velocity(p, axis) = thermal_speed * normal({seed, 0, stream_velocities}, id, component);
         }
+    if (start == Start::lattice) put_on_lattice(particles, box);
     particles.velocity.rowwise() -= particles.velocity.colwise().mean().eval();
     if (box.sheared())
         particles.velocity.col(0) += box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
@@ -115,7 +141,7 @@ template double kinetic_temperature(Particles<2> const&, Box<2> const&);
 template double kinetic_temperature(Particles<3> const&, Box<3> const&);
 template Vec<2> total_momentum(Particles<2> const&, Box<2> const&);
 template Vec<3> total_momentum(Particles<3> const&, Box<3> const&);
-template void randomize(Particles<2>&, Box<2> const&, double, std::uint64_t);
-template void randomize(Particles<3>&, Box<3> const&, double, std::uint64_t);
+template void randomize(Particles<2>&, Box<2> const&, double, std::uint64_t, Start);
+template void randomize(Particles<3>&, Box<3> const&, double, std::uint64_t, Start);
 
 }  // namespace dpd

@@ -2,10 +2,12 @@
 /// A simulation: one particle state, and a time step that is a list of stages.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "box.hpp"
@@ -44,8 +46,16 @@ struct StageStress {
     bool streamed = false;  ///< kinetic and potential part have been measured
     double kinetic = 0.0;
     double potential = 0.0;
+    double collision = 0.0;  ///< of thermal forces that act while streaming
     double rescaling = 0.0;
     double friction = 0.0;  ///< collision stress without the noise of each pair's own update
+};
+
+/// Sums over pairs of f e_x y_ij, by the kind of force.
+struct PairVirials {
+    double potential = 0.0;
+    double thermostat = 0.0;  ///< friction and noise
+    double friction = 0.0;    ///< friction alone
 };
 
 /// Sums over the pairs of a conservative force.
@@ -69,8 +79,8 @@ struct Simulation {
     double time = 0.0;         ///< of the positions; the drift advances it
     double hottest = 0.0;      ///< kT beyond which the run counts as diverged
     Field<d> momentum_change;  ///< Euler impulses waiting for the kick; empty where no stage needs it
-    Field<d> force;            ///< conservative forces; empty where there are none
-    double virial_xy = 0.0;    ///< sum over pairs of f e_x y_ij that belongs to `force`
+    Field<d> force;            ///< forces that the streaming stage keeps; empty where there are none
+    PairVirials pair_virials;  ///< that belong to `force`
     StageStress stage_stress;
     std::function<PotentialSums(Simulation&)> potential_sums;  ///< of the scene's potential, if it has one
 
@@ -116,10 +126,20 @@ double kinetic_temperature(Particles<d> const& particles, Box<d> const& box);
 template <int d>
 Vec<d> total_momentum(Particles<d> const& particles, Box<d> const& box);
 
-/// Uniformly random positions and Maxwell velocities at kT with zero total momentum, on top of the flow. A
-/// function of the seed alone.
+/// Where particles start.
+enum class Start {
+    random,   ///< uniformly random in the box
+    dense,    ///< uniformly random in its lower halves: all in one corner
+    lattice,  ///< on a simple cubic (square) lattice that fills the box
+};
+
+inline constexpr std::array<std::string_view, 3> start_names{"random", "dense", "lattice"};
+
+/// Starting positions and Maxwell velocities at kT with zero total momentum, on top of the flow. A function
+/// of the seed alone.
 template <int d>
-void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint64_t seed);
+void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint64_t seed,
+               Start start = Start::random);
 
 extern template struct Simulation<2>;
 extern template struct Simulation<3>;

@@ -213,16 +213,93 @@ void Verlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const
     for (std::uint64_t s = 0; s < substeps; ++s) {
         particles.velocity += kick * forces(simulation, potential);
         if (stress.wanted) {
-            stress.potential += 0.5 * simulation.virial_xy;
+            stress.potential += 0.5 * simulation.pair_virials.potential;
             stress.kinetic += kinetic_stress(particles, box, span);
         }
         stream(simulation, span,
                (double(simulation.step) + double(s + 1) / double(substeps)) * simulation.time_step);
         particles.velocity += kick * forces(simulation, potential);
-        if (stress.wanted) stress.potential += 0.5 * simulation.virial_xy;
+        if (stress.wanted) stress.potential += 0.5 * simulation.pair_virials.potential;
     }
     stress.kinetic /= double(substeps);
     stress.potential /= -double(substeps) * box.volume();
+    stress.streamed = true;
+}
+
+// Conservative, dissipative and random force of all pairs, from the present positions and velocities.
+template <int d, class Potential>
+void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseKey key) const {
+    auto& pairs = simulation.pairs();
+    auto& particles = simulation.particles;
+    double const* const noise = draw_pair_noise(simulation, pairs, key);
+    double const strength = sigma / std::sqrt(simulation.time_step);
+    double const per_cutoff = 1.0 / cutoff;
+    simulation.force.setZero(particles.size(), d);
+    double const* velocity[d];
+    double* force[d];
+    for (int axis = 0; axis < d; ++axis) {
+        velocity[axis] = particles.velocity.col(axis).data();
+        force[axis] = simulation.force.col(axis).data();
+    }
+    PairVirials virials;
+    with_weight(weight, [&]<Weight w>() {
+        for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
+            double e[d];
+            for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
+            auto const i = pairs.i[k], j = pairs.j[k];
+            double const r = pairs.distance[k], x = r * per_cutoff;
+            double const conservative = r < potential.cutoff ? potential.force(r) : 0.0;
+            double friction = 0.0, thermal = 0.0;
+            if (x < 1.0) {
+                double const w_d = weight_at<w>(x);
+                friction = -gamma * w_d * approach<d>(velocity, i, j, e, image_speed);
+                thermal = friction + strength * std::sqrt(w_d) * noise[k];
+            }
+            double const f = conservative + thermal;
+            for (int axis = 0; axis < d; ++axis) {
+                force[axis][i] += f * e[axis];
+                force[axis][j] -= f * e[axis];
+            }
+            double const arm = e[0] * e[1] * r;
+            virials.potential += conservative * arm;
+            virials.friction += friction * arm;
+            virials.thermostat += thermal * arm;
+        });
+    });
+    simulation.counters.potential_evaluations += pairs.count;
+    simulation.pair_virials = virials;
+    simulation.forces_found();
+}
+
+template <int d, class Potential>
+void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey key) const {
+    auto& particles = simulation.particles;
+    auto& stress = simulation.stage_stress;
+    double const dt = simulation.time_step;
+    double const kick = 0.5 * dt / particles.mass, prediction = (lambda - 0.5) * dt;
+    if (!simulation.forces_valid()) {  // at the start
+        NoiseKey first = key;
+        first.sweep = 1;
+        find_forces(simulation, first);
+    }
+    auto const before = simulation.pair_virials;
+    particles.velocity += kick * simulation.force;
+    if (stress.wanted) stress.kinetic = kinetic_stress(particles, simulation.box, dt);
+    stream(simulation, dt, double(simulation.step + 1) * dt);
+    // what the prediction adds waits to be taken back, since the search may sort the particles
+    if (prediction != 0.0) {
+        particles.velocity += prediction / particles.mass * simulation.force;
+        simulation.momentum_change = -prediction * simulation.force;
+    }
+    find_forces(simulation, key);
+    if (prediction != 0.0) particles.velocity += simulation.momentum_change / particles.mass;
+    particles.velocity += kick * simulation.force;
+    auto const average = [&](double PairVirials::*part) {
+        return -0.5 * (before.*part + simulation.pair_virials.*part) / simulation.box.volume();
+    };
+    stress.potential = average(&PairVirials::potential);
+    stress.collision = average(&PairVirials::thermostat);
+    stress.friction = average(&PairVirials::friction);
     stress.streamed = true;
 }
 
@@ -251,6 +328,12 @@ template struct Kick<2>;
 template struct Kick<3>;
 template struct Verlet<2, Soft>;
 template struct Verlet<3, Soft>;
+template struct Verlet<2, LennardJones>;
+template struct Verlet<3, LennardJones>;
+template struct ModifiedVerlet<2, Soft>;
+template struct ModifiedVerlet<3, Soft>;
+template struct ModifiedVerlet<2, LennardJones>;
+template struct ModifiedVerlet<3, LennardJones>;
 template struct BodyForce<2>;
 template struct BodyForce<3>;
 

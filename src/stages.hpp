@@ -77,6 +77,22 @@ struct Verlet {
     void operator()(Simulation<d>& simulation, NoiseKey) const;
 };
 
+/// DPD with all forces at once, by the modified velocity-Verlet of Groot & Warren (1997): friction sees the
+/// velocities predicted for the end of the step, v + lambda dt F/m. PK2006 sect. III, lambda = 1/2.
+template <int d, class Potential>
+struct ModifiedVerlet {
+    Potential potential;
+    double gamma = 4.5;                 ///< strength of the friction, mass per time
+    double sigma = 3.0;                 ///< strength of the noise, momentum per time^(1/2)
+    Weight weight = Weight::quadratic;  ///< omega_D; omega_R is its root
+    double cutoff = 1.0;
+    double lambda = 0.5;
+    void operator()(Simulation<d>& simulation, NoiseKey key) const;
+
+private:
+    void find_forces(Simulation<d>& simulation, NoiseKey key) const;
+};
+
 /// Accelerates along x: by `acceleration` everywhere, or by its opposite in the upper half of the box, which
 /// makes two opposite Poiseuille flows without walls.
 template <int d>

@@ -117,8 +117,8 @@ using Defaults = std::vector<std::pair<std::string_view, std::optional<std::stri
 
 std::vector<ClosedForm> const& all_forms() {
     Defaults const dpd_density{{"n", "3"}};
-    Defaults const cutoff_required{
-        {"rc", std::nullopt}};  // the default of the DPD forms would be no cut-off for atoms
+    // atoms have no use for the cutoff 1 of the DPD forms
+    Defaults const cutoff_required{{"rc", std::nullopt}};
     static std::vector<ClosedForm> const forms{
         {"my22",
          "MY1997",

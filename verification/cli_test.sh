@@ -124,6 +124,7 @@ sed 's/step = 0.1/step = fast/' scene.toml >syntax.toml
 expect 2 syntax.toml:11 -- run syntax.toml
 sed 's/friction = 3.0/fiction = 3.0/' scene.toml >unknown.toml
 expect 2 unknown.toml:8 shardlow.friction "is missing" -- run unknown.toml
+expect 2 "trajectory: " allowed --out -- run scene.toml --set trajectory.interval=5
 
 # --- run: outputs that cannot be written ----------------------------------------------------------------
 expect 2 no/such/directory -- run scene.toml --out no/such/directory/a.h5
@@ -146,6 +147,8 @@ grep -q '"kinetic_temperature"' out || fail "run --json: no kinetic temperature"
 cp out cached.json
 expect 0 -- run scene.toml --json
 [ "$(numbers out)" = "$(numbers cached.json)" ] || fail "run: a result from the file differs from a new one"
+expect 0 -- run scene.toml --set trajectory.interval=5 --out moving.h5
+[ -s moving.h5md ] || fail "run: no trajectory beside the results"
 expect 2 a.h5 -- run scene.toml --out a.h5 --seed 2
 expect 0 -- run scene.toml --seed 18446744073709551615 --json
 grep -q '"seed": 18446744073709551615' out || fail "run --seed: not the seed that was given"

@@ -49,14 +49,44 @@ std::vector<std::string> const good{
     "interval = 10",                                        // 26
 };
 
+/// Another, with the stages of soft fluids.
+std::vector<std::string> const soft{
+    "dimension = 3",                                                               // 1
+    "stages = ['shardlow', 'lowe', 'rescale', 'body_force', 'sample', 'verlet']",  // 2
+    "[box]",                                                                       // 3
+    "length = [4.0, 6.0, 4.0]",                                                    // 4
+    "[particles]",                                                                 // 5
+    "number = 100",                                                                // 6
+    "[shardlow]",                                                                  // 7
+    "friction = 5.0",                                                              // 8
+    "scheme = 'linear'",                                                           // 9
+    "[lowe]",                                                                      // 10
+    "rate = 7.0",                                                                  // 11
+    "[rescale]",                                                                   // 12
+    "mode = 'layers'",                                                             // 13
+    "cell = 0.5",                                                                  // 14
+    "[body_force]",                                                                // 15
+    "acceleration = -0.3",                                                         // 16
+    "[verlet]",                                                                    // 17
+    "substeps = 10",                                                               // 18
+    "[verlet.soft]",                                                               // 19
+    "strength = 25.0",                                                             // 20
+    "[time]",                                                                      // 21
+    "step = 0.1",                                                                  // 22
+    "duration = 10.0",                                                             // 23
+    "[sample]",                                                                    // 24
+    "observables = ['potential_energy', 'pressure']",                              // 25
+    "[sample.profile]",                                                            // 26
+    "temperature = true",                                                          // 27
+};
+
 std::string join(std::vector<std::string> const& lines) {
     std::string text;
     for (auto const& line : lines) text += line + "\n";
     return text;
 }
 
-std::string with(std::size_t line, std::string const& replacement) {
-    auto lines = good;
+std::string with(std::size_t line, std::string const& replacement, std::vector<std::string> lines = good) {
     lines.at(line - 1) = replacement;
     return join(lines);
 }
@@ -81,11 +111,38 @@ void check_message(std::string const& message, std::string const& begin,
 }
 
 struct Mistake {
-    std::size_t line;         ///< of `good`, to be replaced
+    std::size_t line;         ///< of a good scene, to be replaced
     std::string replacement;  ///< by this
     std::string begin;        ///< of the message, after "f.toml:"
     std::vector<std::string> words;
 };
+
+void check_mistakes(std::vector<Mistake> const& mistakes, std::vector<std::string> const& lines) {
+    for (auto const& mistake : mistakes) {
+        std::string const message =
+            complaint([&] { parse_scene(with(mistake.line, mistake.replacement, lines), "f.toml"); });
+        BOOST_TEST_CONTEXT("line " << mistake.line << ": " << mistake.replacement)
+        check_message(message, "f.toml:" + mistake.begin, mistake.words);
+    }
+}
+
+/// A scene of these stages, each with what it needs.
+std::string scene_of(std::string const& stages, std::string const& observables = "",
+                     std::string const& without_table = "") {
+    std::string text = "dimension = 2\nstages = [" + stages +
+                       "]\nbox.length = [3, 3]\nparticles.number = 7\n"
+                       "time = {step = 0.5, duration = 2}\n";
+    for (auto const& [stage, assignments] :
+         std::vector<std::pair<std::string, std::string>>{{"shardlow", "friction = 1"},
+                                                          {"lowe", "rate = 1"},
+                                                          {"euler", "gamma = 1, sigma = 1"},
+                                                          {"rescale", ""},
+                                                          {"body_force", "acceleration = 1"},
+                                                          {"verlet", "soft.strength = 1"}})
+        if (stages.find("'" + stage + "'") != std::string::npos && stage != without_table)
+            text += stage + " = {" + assignments + "}\n";
+    return observables.empty() ? text : text + "sample.observables = [" + observables + "]\n";
+}
 
 class Directory {
 public:
@@ -265,23 +322,162 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
         {6, "length = [4.0, 5.0, 6.0", "7: ", {}},
         {16, "step = 0.1", "16: ", {"step"}},
     };
-    for (auto const& mistake : mistakes) {
-        std::string const message =
-            complaint([&] { parse_scene(with(mistake.line, mistake.replacement), "f.toml"); });
-        BOOST_TEST_CONTEXT("line " << mistake.line << ": " << mistake.replacement)
-        check_message(message, "f.toml:" + mistake.begin, mistake.words);
-    }
+    check_mistakes(mistakes, good);
 }
 
 BOOST_AUTO_TEST_CASE(a_kick_needs_its_impulses_first) {
-    auto const scene = [](std::string const& stages) {
-        return "dimension = 2\nstages = [" + stages +
-               "]\n[box]\nlength = [3, 3]\n[particles]\nnumber = 7\n[euler]\ngamma = 1\nsigma = 1\n"
-               "[time]\nstep = 0.5\nduration = 2\n";
-    };
-    BOOST_TEST(complaint([&] { parse_scene(scene("'euler', 'drift', 'kick'"), "f.toml"); }) == "");
-    check_message(complaint([&] { parse_scene(scene("'kick', 'drift', 'euler'"), "f.toml"); }),
+    BOOST_TEST(complaint([] { parse_scene(scene_of("'euler', 'drift', 'kick'"), "f.toml"); }) == "");
+    check_message(complaint([] { parse_scene(scene_of("'kick', 'drift', 'euler'"), "f.toml"); }),
                   "f.toml:2: stages: ", {"kick", "euler"});
+}
+
+// --- the stages of soft fluids ---------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(stages_of_soft_fluids_are_read_as_written) {
+    Scene const scene = parse_scene(join(soft), "f.toml");
+    BOOST_TEST((scene.shardlow.scheme == Scheme::linear));
+    BOOST_TEST(scene.lowe.rate == 7.0);
+    BOOST_TEST((scene.rescale.mode == Rescaling::layers));
+    BOOST_TEST(scene.rescale.cell == 0.5);
+    BOOST_TEST(scene.body_force.acceleration == -0.3);
+    BOOST_TEST(scene.substeps == 10u);
+    BOOST_TEST(scene.sample.potential_energy);
+    BOOST_TEST(scene.sample.pressure);
+    BOOST_TEST(!scene.sample.configurational_temperature);
+    BOOST_TEST(!scene.sample.stress);
+    BOOST_TEST(!scene.sample.friction_stress);
+    BOOST_TEST(scene.sample.profile->temperature);
+    // defaults
+    Scene const plain = parse_scene(
+        scene_of("'shardlow', 'lowe', 'rescale', 'body_force', 'sample', 'verlet'") + "sample.profile = {}\n",
+        "f.toml");
+    BOOST_TEST((plain.shardlow.scheme == Scheme::shardlow));
+    BOOST_TEST(plain.lowe.cutoff == 1.0);
+    BOOST_TEST(plain.lowe.kT == 1.0);
+    BOOST_TEST((plain.rescale.mode == Rescaling::global));
+    BOOST_TEST(plain.rescale.kT == 1.0);
+    BOOST_TEST(plain.rescale.cell == 1.0);
+    BOOST_TEST(plain.rescale.thickness == 1u);
+    BOOST_TEST(plain.rescale.amplitude == 0.3);
+    BOOST_TEST(!plain.body_force.opposed);
+    BOOST_TEST(plain.substeps == 1u);
+    BOOST_TEST(!plain.sample.profile->temperature);
+    // friction_stress is one of the stresses
+    Scene const stress = parse_scene(scene_of("'lowe', 'sample', 'drift'", "'friction_stress'"), "f.toml");
+    BOOST_TEST(stress.sample.stress);
+    BOOST_TEST(stress.sample.friction_stress);
+
+    // the longest range and the hottest thermostat count
+    BOOST_TEST(plain.cutoff() == 1.0);
+    BOOST_TEST(parse_scene(scene_of("'rescale', 'drift'"), "f.toml").cutoff() == 0.0);
+    for (char const* stage : {"shardlow", "lowe", "verlet.soft"})
+        BOOST_TEST(parse_scene(join(soft), "f.toml", {std::string(stage) + ".cutoff=1.7"}).cutoff() == 1.7);
+    for (char const* stage : {"shardlow", "lowe", "rescale"})
+        BOOST_TEST(parse_scene(join(soft), "f.toml", {std::string(stage) + ".kT=1.7"}).thermostat_kT() ==
+                   1.7);
+    BOOST_TEST(parse_scene(scene_of("'verlet'"), "f.toml").thermostat_kT() == 0.0);
+}
+
+BOOST_AUTO_TEST_CASE(every_mistake_in_a_soft_fluid_gets_one_line) {
+    std::string const above = "a number > 0", zero = "a number >= 0", count = "an integer >= 1";
+    check_mistakes(
+        {
+            {9, "scheme = 'implicit'", "9: shardlow.scheme: ", {"implicit", "allowed", "exponential"}},
+            {8,
+             "friction = 10.1",
+             "8: shardlow.friction: ",
+             {"10.1", "mass", "allowed with scheme \"linear\": at most 10"}},
+            {11, "rate = -1", "11: lowe.rate: ", {"-1", "allowed", zero}},
+            {11, "", "10: lowe.rate: ", {"is missing", "allowed", zero}},
+            {11, "rate = 1001", "11: lowe.rate: ", {"1001", "100.1 updates", "allowed", "at most 100"}},
+            {11, "rate = 1\ncutoff = 0", "12: lowe.cutoff: ", {"0", "allowed", above}},
+            {11, "rate = 1\ncutoff = 2.1", "4: box.length: ", {"4", "allowed", "two cutoffs, 4.2"}},
+            {11, "rate = 1\nkT = -1", "12: lowe.kT: ", {"-1", "allowed", zero}},
+            {11, "rate = 1\nweight = 'linear'", "12: lowe.weight: ", {"unknown key", "allowed", "rate"}},
+            {13, "mode = 'local'", "13: rescale.mode: ", {"local", "allowed", "global, layers, monte_carlo"}},
+            {13, "kT = 0", "13: rescale.kT: ", {"0", "allowed", above}},
+            {13, "thickness = 0", "13: rescale.thickness: ", {"0", "allowed", count}},
+            {13, "amplitude = 0", "13: rescale.amplitude: ", {"0", "allowed", above}},
+            {13, "friction = 1", "13: rescale.friction: ", {"unknown key", "allowed", "amplitude"}},
+            {14, "cell = 0", "14: rescale.cell: ", {"0", "allowed", above}},
+            {14, "cell = 0.7", "14: rescale.cell: ", {"0.7", "box side 4", "allowed", "a whole number"}},
+            {14, "cell = 4", "14: rescale.cell: ", {"4", "box side 6", "allowed"}},
+            {14, "cell = 8", "14: rescale.cell: ", {"8", "box side 4", "allowed"}},
+            {14, "cell = 1e-9", "14: rescale.cell: ", {"1e-09", "box side 4", "allowed"}},
+            {16, "", "15: body_force.acceleration: ", {"is missing", "allowed", "a finite number"}},
+            {16, "acceleration = inf", "16: body_force.acceleration: ", {"inf", "allowed", "finite"}},
+            {16,
+             "acceleration = 1\nopposed = 1",
+             "17: body_force.opposed: ",
+             {"1", "allowed", "true or false"}},
+            {18, "substeps = 0", "18: verlet.substeps: ", {"0", "allowed", count}},
+            {18, "substeps = 2.5", "18: verlet.substeps: ", {"2.5", "allowed", count}},
+            {18, "step = 0.01", "18: verlet.step: ", {"unknown key", "allowed", "substeps"}},
+            {19, "", "17: verlet.soft: ", {"a table", "soft"}},
+            {20, "", "19: verlet.soft.strength: ", {"is missing", "allowed", zero}},
+            {20, "strength = -1", "20: verlet.soft.strength: ", {"-1", "allowed", zero}},
+            {20, "strength = 1\ncutoff = 0", "21: verlet.soft.cutoff: ", {"0", "allowed", above}},
+            {20, "strength = 1\ncutoff = 2.1", "4: box.length: ", {"4", "allowed", "two cutoffs, 4.2"}},
+            {20, "strength = 1\nkT = 1", "21: verlet.soft.kT: ", {"unknown key", "allowed", "cutoff"}},
+            {25,
+             "observables = ['friction']",
+             "25: sample.observables: ",
+             {"friction", "allowed", "friction_stress", "potential_energy", "configurational_temperature"}},
+            {27, "temperature = 1", "27: sample.profile.temperature: ", {"1", "allowed", "true or false"}},
+            // stages that do not go together
+            {25, "observables = ['stress']", "2: stages: ", {"several", "allowed with stress", "one"}},
+            {25, "observables = ['friction_stress']", "2: stages: ", {"several", "allowed with stress"}},
+            {2,
+             "stages = ['shardlow', 'lowe', 'rescale', 'body_force', 'sample', 'verlet', 'drift']",
+             "2: stages: ",
+             {"verlet", "allowed", "one of"}},
+        },
+        soft);
+}
+
+BOOST_AUTO_TEST_CASE(a_stage_and_its_table_belong_together) {
+    for (std::string const stage : {"lowe", "rescale", "body_force", "verlet"}) {
+        std::string const lists = "'" + stage + "', 'scatter'";
+        BOOST_TEST(complaint([&] { parse_scene(scene_of(lists), "f.toml"); }) == "");
+        check_message(complaint([&] { parse_scene(scene_of(lists, "", stage), "f.toml"); }),
+                      "f.toml:1: " + stage + ": ", {"is missing", "allowed", "[" + stage + "]"});
+        check_message(complaint([&] { parse_scene(scene_of("'scatter'") + stage + " = {}\n", "f.toml"); }),
+                      "f.toml:6: " + stage + ": ", {"not among the stages"});
+    }
+}
+
+BOOST_AUTO_TEST_CASE(stress_needs_stages_in_order) {
+    auto const message = [](std::string const& stages, std::string const& observables,
+                            std::vector<std::string> const& assignments = {}) {
+        return complaint([&] { parse_scene(scene_of(stages, observables), "f.toml", assignments); });
+    };
+    // what goes: one pair thermostat before, or none; several without stress
+    for (char const* stages : {"'lowe', 'sample', 'drift'", "'rescale', 'sample', 'drift'",
+                               "'sample', 'rescale', 'drift'", "'shardlow', 'rescale', 'sample', 'drift'"})
+        BOOST_TEST(message(stages, "'stress'") == "");
+    BOOST_TEST(message("'shardlow', 'lowe', 'sample', 'drift'", "'pressure'") == "");
+    BOOST_TEST(message("'lowe', 'sample', 'verlet'", "'friction_stress'", {"time.equilibration=0.5"}) == "");
+
+    for (char const* stages : {"'shardlow', 'lowe', 'sample', 'drift'", "'lowe', 'lowe', 'sample', 'drift'",
+                               "'shardlow', 'euler', 'sample', 'drift', 'kick'"})
+        check_message(message(stages, "'stress'"),
+                      "f.toml:2: stages: ", {"several pair thermostats", "allowed with stress: one"});
+    for (char const* stages :
+         {"'lowe', 'drift', 'sample'", "'sample', 'lowe', 'drift'", "'lowe', 'scatter', 'sample', 'drift'"})
+        check_message(message(stages, "'stress'"),
+                      "f.toml:2: stages: ", {"no pair impulses", "allowed", "after shardlow, lowe or euler"});
+    check_message(message("'lowe', 'verlet', 'sample'", "'stress'", {"time.equilibration=1"}),
+                  "f.toml:2: stages: ", {"no pair impulses", "before drift or verlet"});
+    for (char const* stages :
+         {"'rescale', 'sample', 'drift'", "'euler', 'sample', 'drift', 'kick'", "'sample', 'drift'"})
+        check_message(message(stages, "'friction_stress'"),
+                      "f.toml:2: stages: ", {"friction_stress", "allowed: with shardlow"});
+    // verlet has measured the step before
+    for (std::string const equilibration : {"0", "0.2"})  // less than half a step
+        check_message(
+            message("'lowe', 'sample', 'verlet'", "'stress'", {"time.equilibration=" + equilibration}),
+            "f.toml:5: time: ", {"no equilibration", "allowed with", "and stress"});
+    BOOST_TEST(message("'lowe', 'sample', 'verlet'", "'pressure'") == "");
 }
 
 BOOST_AUTO_TEST_CASE(missing_tables) {

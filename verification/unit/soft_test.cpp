@@ -1,6 +1,7 @@
-// Soft fluids, Lowe's thermostat, the schemes of Shardlow's and rescaling. Mechanics to rounding; statistics
-// with fixed seeds: each of some 75 comparisons may raise a false alarm with probability 7e-6, all together
-// 5e-4 had the seeds not been fixed. The bounds are Student's, for the number of blocks behind an error.
+// Conservative forces, Lowe's thermostat, the schemes of Shardlow's and rescaling. Mechanics to rounding;
+// statistics with fixed seeds: each of some 75 comparisons may raise a false alarm with probability 7e-6, all
+// together 5e-4 had the seeds not been fixed. The bounds are Student's, for the number of blocks behind an
+// error.
 #define BOOST_TEST_MODULE soft
 #include <fmt/format.h>
 #include <unistd.h>
@@ -106,14 +107,18 @@ Scene scene(std::string const& stages, std::vector<std::string> const& assignmen
             std::uint64_t seed = 1) {
     std::vector<std::string> all{"dimension=3",   "stages=[" + stages + "]", "box.length=[5, 5, 5]",
                                  "time.step=0.1", "particles.density=3",     "time.duration=20"};
-    for (auto const& [stage, assignment] :
-         std::vector<std::pair<char const*, char const*>>{{"'shardlow'", "shardlow.friction=4.5"},
-                                                          {"'lowe'", "lowe.rate=5"},
-                                                          {"'euler'", "euler.sigma=1"},
-                                                          {"'euler'", "euler.gamma=1"},
-                                                          {"'rescale'", "rescale.mode=global"},
-                                                          {"'body_force'", "body_force.acceleration=0.3"},
-                                                          {"'verlet'", "verlet.soft.strength=25"}})
+    for (auto const& [stage, assignment] : std::vector<std::pair<char const*, char const*>>{
+             {"'shardlow'", "shardlow.friction=4.5"},
+             {"'lowe'", "lowe.rate=5"},
+             {"'euler'", "euler.sigma=1"},
+             {"'euler'", "euler.gamma=1"},
+             {"'rescale'", "rescale.mode=global"},
+             {"'body_force'", "body_force.acceleration=0.3"},
+             {"'modified_verlet'", "modified_verlet.gamma=4.5"},
+             {"'modified_verlet'", "modified_verlet.sigma=3"},
+             {"'modified_verlet'", "modified_verlet.lambda=0.65"},
+             {"'modified_verlet'", "modified_verlet.soft.strength=25"},
+             {"'verlet'", "verlet.soft.strength=25"}})
         if (stages.find(stage) != std::string::npos) all.push_back(assignment);
     if (stages.find("'verlet'") != std::string::npos) all.push_back("verlet.substeps=10");
     all.insert(all.end(), assignments.begin(), assignments.end());
@@ -152,7 +157,7 @@ void check_force_sums(double shear_rate) {
         BOOST_TEST((simulation.pairs().crossing.empty()) == (shear_rate == 0.0));
     }
     BOOST_TEST((by_id(both[0], both[0].force) == by_id(both[1], both[1].force)).all());
-    BOOST_TEST(both[0].virial_xy == both[1].virial_xy);
+    BOOST_TEST(both[0].pair_virials.potential == both[1].pair_virials.potential);
 
     // every force is minus the derivative of the total energy by its particle's position
     auto simulation = both[1];
@@ -187,6 +192,7 @@ BOOST_DATA_TEST_CASE(virials_are_derivatives_of_the_energy, data::make({0.0, 0.4
     };
     auto at = start();
     auto const sums = potential_sums(at, soft);
+    forces(at, soft);  // finds the virial of the shear stress
     auto const scaled = [&](double e) {
         auto simulation = start();
         simulation.box.length *= 1.0 + e;
@@ -203,8 +209,9 @@ BOOST_DATA_TEST_CASE(virials_are_derivatives_of_the_energy, data::make({0.0, 0.4
     };
     double const h = 1e-6;
     BOOST_TEST((scaled(h) - scaled(-h)) / (2.0 * h) == -sums.virial, tolerance(1e-6));
-    BOOST_TEST(std::abs((strained(h) - strained(-h)) / (2.0 * h) + at.virial_xy) < 1e-6 * sums.virial);
-    BOOST_TEST(std::abs(at.virial_xy) > 1e-3 * sums.virial);
+    BOOST_TEST(std::abs((strained(h) - strained(-h)) / (2.0 * h) + at.pair_virials.potential) <
+               1e-6 * sums.virial);
+    BOOST_TEST(std::abs(at.pair_virials.potential) > 1e-3 * sums.virial);
 }
 
 // --- Verlet ----------------------------------------------------------------------------------------------
@@ -237,6 +244,102 @@ BOOST_AUTO_TEST_CASE(one_verlet_step_by_hand) {
     BOOST_TEST((unwrapped(simulation) - x).abs().maxCoeff() < 1e-14);
     BOOST_TEST((by_id(simulation, p.velocity) - v).abs().maxCoeff() < 1e-14);
     BOOST_TEST(simulation.time == dt);
+}
+
+// Two steps, so that the force of the first step's end begins the second; lambda is not 1/2, so that the
+// predicted velocity is not that of the drift.
+BOOST_AUTO_TEST_CASE(two_modified_verlet_steps_by_hand) {
+    double const m = 2.5, dt = 0.13, L = 4.0, lambda = 0.65, gamma = 3.0, sigma = 1.5, cutoff = 1.3;
+    auto simulation = gas<2>({L, L}, 6, 0.0, dt, m);
+    auto& p = simulation.particles;
+    p.position << 0.1, 0.2, 3.8, 0.5, 0.6, 3.9, 1.0, 1.0, 2.5, 2.4, 1.2, 0.1;
+    Field<2> x = p.position, v = p.velocity;
+    auto const force_at = [&](Field<2> const& at, Field<2> const& speed, NoiseKey key) {
+        Field<2> force = Field<2>::Zero(6, 2);
+        for (std::uint32_t i = 0; i < 6; ++i)
+            for (std::uint32_t j = 0; j < 6; ++j) {
+                Eigen::Array2d e = (at.row(i) - at.row(j)).transpose();
+                e -= L * (e / L).round();
+                double const r = std::hypot(e[0], e[1]);
+                e /= r;
+                double f = i != j && r < 1.4 ? 6.0 / 1.4 * (1.0 - r / 1.4) : 0.0;
+                if (i != j && r < cutoff) {
+                    double const w = 1.0 - r / cutoff;
+                    double const u = ((speed.row(i) - speed.row(j)).transpose() * e).sum();
+                    f += -gamma * w * w * u +
+                         sigma * w * normal(key, std::min(i, j), std::max(i, j)) / std::sqrt(dt);
+                }
+                if (i != j) force.row(i) += (f * e).transpose();
+            }
+        return force;
+    };
+    Field<2> f = force_at(x, v, {1, 0, 0, 1});
+    for (std::uint64_t step = 0; step < 2; ++step) {
+        x += dt * (v + 0.5 * dt / m * f);
+        Field<2> const next = force_at(x, v + lambda * dt / m * f, {1, step, 0});
+        v += 0.5 * dt / m * (f + next);
+        f = next;
+    }
+    simulation.pair_search.cutoff = 1.4;
+    ModifiedVerlet<2, Soft> stage;
+    stage.potential = {.strength = 6.0, .cutoff = 1.4};
+    stage.gamma = gamma;
+    stage.sigma = sigma;
+    stage.cutoff = cutoff;
+    stage.lambda = lambda;
+    simulation.stages = {{"modified_verlet", stage}};
+    advance(simulation, 2);
+    BOOST_TEST((unwrapped(simulation) - x).abs().maxCoeff() < 1e-13);
+    BOOST_TEST((by_id(simulation, p.velocity) - v).abs().maxCoeff() < 1e-13);
+    BOOST_TEST(simulation.counters.searches == 3u);
+}
+
+// Without friction and noise it is velocity-Verlet, whatever lambda, and so are its stresses.
+BOOST_DATA_TEST_CASE(modified_verlet_without_thermostat_is_verlet,
+                     data::make({0.0, 0.4}) * data::make({0.5, 0.65}), shear_rate, lambda) {
+    auto plain = small_gas<3>(shear_rate, 0.02), modified = plain;
+    ModifiedVerlet<3, Soft> stage;
+    stage.potential = soft;
+    stage.gamma = stage.sigma = 0.0;
+    stage.lambda = lambda;
+    plain.stages = {{"verlet", Verlet<3, Soft>{.potential = soft}}};
+    modified.stages = {{"modified_verlet", stage}};
+    plain.stage_stress.wanted = modified.stage_stress.wanted = true;
+    advance(plain, 40);
+    advance(modified, 40);
+    check_same_motion(plain, modified, 1e-9);
+    BOOST_TEST(plain.stage_stress.kinetic == modified.stage_stress.kinetic, tolerance(1e-9));
+    BOOST_TEST(plain.stage_stress.potential == modified.stage_stress.potential, tolerance(1e-9));
+    BOOST_TEST(modified.stage_stress.collision == 0.0);
+}
+
+BOOST_AUTO_TEST_CASE(lennard_jones_derivatives_and_shift) {
+    LennardJones const lj{.epsilon = 1.7, .sigma = 0.9, .cutoff = 2.3, .shifted = true};
+    LennardJones plain = lj;
+    plain.shifted = false;
+    BOOST_TEST(lj.energy(2.3) == 0.0, tolerance(1e-15));
+    BOOST_TEST(plain.energy(std::pow(2.0, 1.0 / 6.0) * 0.9) == -1.7, tolerance(1e-14));
+    BOOST_TEST(std::abs(lj.force(std::pow(2.0, 1.0 / 6.0) * 0.9)) < 1e-13);
+    for (double const r : {0.85, 1.1, 1.6, 2.2}) {
+        double const h = 1e-5;
+        BOOST_TEST(lj.force(r) == -(lj.energy(r + h) - lj.energy(r - h)) / (2.0 * h), tolerance(1e-7));
+        BOOST_TEST(lj.curvature(r) == -(lj.force(r + h) - lj.force(r - h)) / (2.0 * h), tolerance(1e-7));
+        BOOST_TEST(lj.force(r) == plain.force(r));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(particles_start_where_asked) {
+    auto simulation = gas<3>({4.0, 6.0, 5.0}, 100, 0.0, 0.1);
+    randomize(simulation.particles, simulation.box, 1.0, 1, Start::dense);
+    for (int axis = 0; axis < 3; ++axis) {
+        auto const x = simulation.particles.position.col(axis) / simulation.box.length[axis];
+        BOOST_TEST((x >= 0.0 && x < 0.5).all());
+    }
+    randomize(simulation.particles, simulation.box, 1.0, 1, Start::lattice);
+    simulation.pair_search.cutoff = 0.8;  // 4 x 6 x 5 sites are 1 apart; 100 particles on 120 sites
+    simulation.positions_changed();
+    BOOST_TEST(simulation.pairs().count == 0u);
+    BOOST_TEST(simulation.particles.position.colwise().minCoeff().minCoeff() > 0.0);
 }
 
 BOOST_DATA_TEST_CASE(ten_substeps_are_ten_short_steps, data::make({0.0, 0.4}), shear_rate) {
@@ -302,7 +405,8 @@ BOOST_AUTO_TEST_CASE(without_a_potential_verlet_is_the_drift) {
 
 // Stages that hand something on do so whatever happens to the rows in between: the brute force search never
 // sorts them.
-BOOST_DATA_TEST_CASE(the_search_does_not_show, data::make({"lowe", "euler", "rescale"}), method) {
+BOOST_DATA_TEST_CASE(the_search_does_not_show, data::make({"lowe", "euler", "rescale", "modified_verlet"}),
+                     method) {
     std::vector<Simulation<3>> both;
     for (Search const search : {Search::cell, Search::brute}) {
         auto simulation = small_gas<3>(0.4, 0.02);
@@ -312,6 +416,12 @@ BOOST_DATA_TEST_CASE(the_search_does_not_show, data::make({"lowe", "euler", "res
         if (method == std::string("rescale")) simulation.stages = {verlet, {"rescale", Rescale<3>{}}};
         if (method == std::string("euler"))
             simulation.stages = {{"euler", EulerImpulses<3>{}}, verlet, {"kick", Kick<3>{}}};
+        if (method == std::string("modified_verlet")) {
+            ModifiedVerlet<3, Soft> stage;
+            stage.potential = soft;
+            stage.lambda = 0.65;  // leaves impulses waiting while the rows are sorted
+            simulation.stages = {{"modified_verlet", stage}};
+        }
         advance(simulation, 20);
         both.push_back(simulation);
     }
@@ -835,7 +945,8 @@ BOOST_DATA_TEST_CASE(extremes,
 BOOST_DATA_TEST_CASE(interrupted_soft_runs_give_the_same_bits,
                      data::make({"'shardlow', 'sample', 'verlet'", "'verlet', 'lowe', 'sample'",
                                  "'sample', 'rescale', 'body_force', 'drift'",
-                                 "'rescale', 'verlet', 'sample'", "'euler', 'sample', 'verlet', 'kick'"}),
+                                 "'rescale', 'verlet', 'sample'", "'euler', 'sample', 'verlet', 'kick'",
+                                 "'modified_verlet', 'sample'", "'sample', 'modified_verlet'"}),
                      stages) {
     auto const output =
         std::filesystem::temp_directory_path() / ("dpdref_soft_test." + std::to_string(::getpid()) + ".h5");

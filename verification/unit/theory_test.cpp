@@ -1229,6 +1229,566 @@ BOOST_AUTO_TEST_CASE(hydrodynamic_tail_in_a_box_is_the_sum_over_its_modes) {
     }
 }
 
+// -----------------------------------------------------------------------------------------------------
+// PK2006: the map
+
+namespace {
+
+/// d ln f / d ln x at x.
+template <class F>
+double exponent_of(F const& f, double x) {
+    double const h = 1e-4;
+    return std::log(f(x * std::exp(h)) / f(x * std::exp(-h))) / (2 * h);
+}
+
+/// What is printed with `digits` decimals, as far as that goes.
+void check_printed(double value, double printed, int digits) {
+    BOOST_TEST(std::abs(value - printed) <= 0.5 * std::pow(10.0, -digits),
+               "value " << value << ", printed " << printed);
+}
+
+constexpr double paper_kT = 0.1, paper_sigma = 3.0, paper_gamma = 45.0, paper_step = 0.02;
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(pk2_keeps_the_mass_density) {
+    for (double Nm : {0.5, 1.0, 7.3, 100.0})
+        for (double n_md : {0.8, 1.7}) {
+            CoarseGraining const map{.Nm = Nm, .n = 4.1, .n_md = n_md};
+            double const rc = cutoff_radius(map), m = 2.3;
+            check_close(particle_mass(map, m) * map.n / (rc * rc * rc), m * n_md);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(pk_table_1_to_the_printed_digits) {
+    std::pair<double, double> const printed[]{{1, 22.01}, {5, 12.87}, {9, 10.58}, {13, 9.36}, {17, 8.56}};
+    for (auto const& [Nm, L] : printed) {
+        check_printed(length_in_dpd_units({.Nm = Nm}, 34.2), L, 2);
+        Given const given{{"Nm", std::to_string(Nm)}};
+        check_printed(evaluate("pk-table1", given), L, 2);
+    }
+    // It is the side along x and z; along y the domain is a quarter of it, and as wide as 2 rc up to Nm = 20.
+    BOOST_TEST(length_in_dpd_units({.Nm = 20}, 8.55) > 2.0);
+    BOOST_TEST(length_in_dpd_units({.Nm = 21}, 8.55) < 2.0);
+    // 8000 atoms, which 9, 13 and 17 do not divide
+    check_close(0.8 * 34.2 * 8.55 * 34.2, 8000.0, 1e-4);
+    check_close(4 * 8.55, 34.2);
+}
+
+BOOST_AUTO_TEST_CASE(pk3_gives_the_particles_the_compressibility_of_the_atoms) {
+    for (double Nm : {1.0, 5.0, 20.0})
+        for (double kT : {0.1, 1.7}) {
+            CoarseGraining const map{.Nm = Nm, .n = 4.1, .inverse_compressibility = 9.7, .alpha = 0.12};
+            double const a = conservative_coefficient(map, kT), h = 1e-5;
+            auto const p = [&](double n) { return groot_warren_pressure({.n = n, .kT = kT}, a, 0.12); };
+            double const slope = (p(4.1 + h) - p(4.1 - h)) / (2 * h);
+            // kT dn counts atoms, and Nm atoms are one particle
+            check_close(slope / kT / Nm, 9.7, 1e-8);
+            check_close(groot_warren_inverse_compressibility({.n = 4.1, .kT = kT}, a, 0.12), 9.7 * Nm);
+            check_close(atoms_per_particle(map, a, kT), Nm);
+            check_close(groot_warren_sound_speed({.n = 4.1, .m = 2.3, .kT = kT}, a, 0.12),
+                        std::sqrt(9.7 * Nm * kT / 2.3));
+        }
+    BOOST_CHECK_THROW(conservative_coefficient({.Nm = 0.06}, 1.0), std::domain_error);
+    BOOST_TEST(conservative_coefficient({.Nm = 1 / 15.36}, 1.0) < 1e-12);
+}
+
+BOOST_AUTO_TEST_CASE(pk3_solidification_thresholds) {
+    // a = 250 at kT = 1 is Nm = 9.93 +- 0.10 (from alpha), the paper's "10"
+    check_close(atoms_per_particle({}, 250.0, 1.0), 9.9284, 1e-4);
+    check_close(atoms_per_particle({.alpha = 0.102}, 250.0, 1.0) - atoms_per_particle({}, 250.0, 1.0), 0.0977,
+                1e-3);
+    check_close(conservative_coefficient({.Nm = 10}, 1.0), 251.815, 1e-5);
+    // The paper's own threshold, Nm = 20 at kT = 0.1, is twice that in the only unit that counts.
+    check_close(conservative_coefficient({.Nm = 20}, paper_kT), 50.5281, 1e-5);
+    check_close(conservative_coefficient({.Nm = 20}, paper_kT) / paper_kT, 505.281, 1e-5);
+    // a of the figures
+    std::pair<double, double> const coefficients[]{
+        {1, 2.36964}, {5, 12.5083}, {9, 22.6469}, {30, 75.8746}, {100, 253.3003}};
+    for (auto const& [Nm, a] : coefficients)
+        check_close(conservative_coefficient({.Nm = Nm}, paper_kT), a, 1e-5);
+}
+
+BOOST_AUTO_TEST_CASE(pk3_makes_the_structure_independent_of_temperature) {
+    // Positions have the weight exp(-U/kT), and U/kT has a/kT only.
+    double const reference = conservative_coefficient({.Nm = 20}, 0.1) / 0.1;
+    for (double kT : {0.01, 1.0}) check_close(conservative_coefficient({.Nm = 20}, kT) / kT, reference);
+}
+
+BOOST_AUTO_TEST_CASE(pk_friction_and_noise_as_printed) {
+    check_close(matched_friction(paper_sigma, paper_kT), paper_gamma);
+    check_close(matched_friction(3, 0.01), 450);
+    check_close(matched_friction(3, 1.0), 4.5);
+    check_close(matched_friction(5, paper_kT), 125);  // not printed
+    check_close(matched_friction(7, paper_kT), 245);
+    // share of pairs that Lowe's thermostat updates in a step
+    check_close(0.5 * paper_step, 0.01);
+    check_close(50 * paper_step, 1.0);
+}
+
+BOOST_AUTO_TEST_CASE(pk_printed_exponent_of_the_speed_up_contradicts_the_printed_factors) {
+    auto const printed_formula = [](double Nm) { return 1000 * std::pow(Nm, 5.0 / 3.0); };
+    check_close(printed_formula(5), 14620, 1e-3);
+    check_close(printed_formula(10), 46416, 1e-3);
+    BOOST_TEST(std::abs(speed_up(5) - 73000) < 500);
+    BOOST_TEST(std::abs(speed_up(10) - 464000) < 500);
+    // The two printed factors alone say the exponent, within their rounding.
+    BOOST_TEST(std::log2(464.5 / 72.5) > 8.0 / 3.0);
+    BOOST_TEST(std::log2(463.5 / 73.5) < 8.0 / 3.0);
+    BOOST_TEST(std::log2(463.5 / 73.5) > 5.0 / 3.0);
+}
+
+BOOST_AUTO_TEST_CASE(pk4_makes_the_flow_the_same_in_both_units) {
+    for (double Nm : {1.0, 9.0, 20.0})
+        for (double eta : {1.6, 23.0}) {
+            CoarseGraining const map{.Nm = Nm, .n = 4.1, .n_md = 0.7, .eta_md = 2.3};
+            double const rc = cutoff_radius(map), tau = time_unit(map, eta), L = 34.2, F = 0.0085;
+            double const u_md = poiseuille_maximum_velocity(map.n_md, F, map.eta_md, L);
+            double const u = poiseuille_maximum_velocity(map.n, force_in_dpd_units(map, eta, F), eta,
+                                                         length_in_dpd_units(map, L));
+            check_close(u * rc / tau, u_md);
+            // Reynolds number
+            check_close(u * L / rc * map.n / eta, u_md * L * map.n_md / map.eta_md);
+            // kinematic viscosity in sigma^2/tau: the definition of the unit of time
+            check_close(eta / map.n * rc * rc / tau, map.eta_md / map.n_md);
+        }
+    // of the paper: 0.505 sigma/tau at a Reynolds number of 7.0
+    check_close(poiseuille_maximum_velocity(0.8, 0.0085, 1.97, 34.2), 0.504668, 1e-5);
+    check_close(0.504668 * 34.2 * 0.8 / 1.97, 7.0090, 1e-4);
+}
+
+BOOST_AUTO_TEST_CASE(pk4_does_not_keep_the_temperature) {
+    // Sound speeds and temperature in the atoms' units, from the units of length, time and mass.
+    for (double Nm : {1.0, 9.0})
+        for (double eta : {1.6, 23.0}) {
+            CoarseGraining const map{.Nm = Nm};
+            double const a = conservative_coefficient(map, paper_kT);
+            double const c = groot_warren_sound_speed({.n = map.n, .kT = paper_kT}, a, map.alpha) *
+                             cutoff_radius(map) / time_unit(map, eta);
+            double const kT = temperature_in_md_units(map, eta, paper_kT);
+            // An atom is not a particle: c^2 = kappa^-1 kT/m with the mass of an atom, 1.
+            check_close(c * c, map.inverse_compressibility * kT);
+            // Hence a Mach number that differs from the atoms' by the root of the temperatures' ratio.
+            double const u_md = poiseuille_maximum_velocity(map.n_md, 0.0085, map.eta_md, 34.2);
+            double const kT_md = 0.9;
+            double const mach_md = u_md / std::sqrt(map.inverse_compressibility * kT_md);
+            check_close(mach_number(map, eta, paper_kT, 0.0085, 34.2), mach_md * std::sqrt(kT_md / kT));
+        }
+    // It would be kept if the viscosity grew as Nm^(1/6); as Nm^2 it falls as Nm^(-11/3).
+    auto const at = [](double Nm, double power) {
+        return temperature_in_md_units({.Nm = Nm}, 1.6 * std::pow(Nm, power), paper_kT);
+    };
+    check_close(at(9, 1.0 / 6.0), at(1, 1.0 / 6.0));
+    check_close(exponent_of([&](double Nm) { return at(Nm, 2); }, 3.0), -11.0 / 3.0, 1e-8);
+}
+
+BOOST_AUTO_TEST_CASE(pk_exponents_of_the_flow) {
+    // The paper's premise, a viscosity that grows as Nm^2.
+    auto const eta = [](double Nm) { return 0.1 * Nm * Nm; };
+    auto const map = [](double Nm) { return CoarseGraining{.Nm = Nm}; };
+    auto const rc = [&](double Nm) { return cutoff_radius(map(Nm)); };
+    auto const force = [&](double Nm) { return force_in_dpd_units(map(Nm), eta(Nm), 0.0085); };
+    auto const u_max = [&](double Nm) {
+        return poiseuille_maximum_velocity(3, force(Nm), eta(Nm), length_in_dpd_units(map(Nm), 34.2));
+    };
+    auto const mach = [&](double Nm) { return mach_number(map(Nm), eta(Nm), paper_kT, 0.0085, 34.2); };
+    auto const sound = [&](double Nm) {
+        return groot_warren_sound_speed({.n = 3, .kT = paper_kT}, conservative_coefficient(map(Nm), paper_kT),
+                                        0.101);
+    };
+    for (double Nm : {1.0, 5.0, 20.0}) {
+        check_close(exponent_of(sound, Nm), 0.5, 1e-6);
+        check_close(exponent_of(force, Nm), 5.0, 1e-6);
+        check_close(exponent_of(u_max, Nm), 7.0 / 3.0, 1e-6);
+        check_close(exponent_of(mach, Nm), 11.0 / 6.0, 1e-6);
+        // the printed exponents, with the dependence on rc taken out: force nu^2 rc^3, u_max nu rc, Mach nu
+        // rc
+        auto const over = [&](auto const& f, int k) {
+            return exponent_of([&](double x) { return f(x) / std::pow(rc(x), k); }, Nm);
+        };
+        check_close(over(force, 3), 4.0, 1e-6);
+        check_close(over(u_max, 1), 2.0, 1e-6);
+        check_close(over(mach, 1), 1.5, 1e-6);
+    }
+    // kappa^-1 kT of the paper
+    check_close(sound(1), 1.2393547, 1e-7);
+}
+
+BOOST_AUTO_TEST_CASE(pk_mach_numbers_bound_the_viscosity) {
+    auto const mach = [](double Nm, double eta, double force) {
+        return mach_number({.Nm = Nm}, eta, paper_kT, force, 34.2);
+    };
+    // "Above 0.15 for Nm > 5" asks for a viscosity of 2.29 there ...
+    double const at_5 = 2.2905;
+    check_close(mach(5, at_5, 0.0085), 0.15, 1e-4);
+    // ... from where Nm^2 leads beyond 0.15 at Nm = 20 and a tenth of the force: "below 0.15 up to 20" asks
+    // for a mean exponent below 1.83.
+    BOOST_TEST(mach(20, at_5 * 16, 0.00085) > 0.19);
+    check_close(mach(20, at_5 * std::pow(4, 1.8276), 0.00085), 0.15, 1e-3);
+    // On the paper's own approximation, without rc, it would hold: 0.15 4^(3/2)/10 = 0.12.
+    check_close(0.15 * std::pow(4, 1.5) / 10, 0.12);
+}
+
+BOOST_AUTO_TEST_CASE(pk_lowe_statements_against_the_gas_without_conservative_force) {
+    // What the thermostats alone do at n = 3, kT = 0.1; whatever the soft force adds comes on top.
+    Gas const gas{.d = 3, .n = 3, .kT = paper_kT};
+    Shardlow const friction{.gamma = paper_gamma, .weight = Weight::quadratic};
+    double const verlet = kinetic_viscosity_limit(gas, friction) + collision_viscosity_limit(gas, friction);
+    auto const lowe = [&](double Gamma) {
+        return kinetic_viscosity(gas, Lowe{Gamma}, paper_step) + collision_viscosity(gas, Lowe{Gamma});
+    };
+    // "Also at a small Gamma more viscous than the Verlet fluid": at 0.5 a quarter of it, equal at 4.3.
+    check_close(verlet, 1.6236, 1e-4);
+    BOOST_TEST(lowe(0.5) < 0.25 * verlet);
+    BOOST_TEST(lowe(4.2) < verlet);
+    BOOST_TEST(lowe(4.4) > verlet);
+    // "Supersonic for Gamma = 25 and 50": Mach 1 takes 11.68 at Nm = 1 and more at every other.
+    auto const mach = [](double Nm, double eta) {
+        return mach_number({.Nm = Nm}, eta, paper_kT, 0.0085, 34.2);
+    };
+    check_close(mach(1, 11.677), 1.0, 1e-4);
+    BOOST_TEST(mach(20, 11.677) < 1.0);
+    check_close(mach(1, lowe(25)), 0.8074, 1e-3);
+    check_close(mach(1, lowe(50)), 1.6142, 1e-3);
+}
+
+BOOST_AUTO_TEST_CASE(pk_schmidt_number_over_five_decades) {
+    // D falls 450 times and the viscosity grows as Nm^2 from 1 to 30
+    double const ratio = schmidt_number(900, 3, 1, 1.0 / 450) / schmidt_number(1, 3, 1, 1);
+    check_close(ratio, 405000);
+    BOOST_TEST(std::log10(ratio) > 5);
+    check_close(schmidt_number(3.1, 0.7, 2.3, 0.4), 3.1 / (0.7 * 2.3 * 0.4));
+}
+
+// -----------------------------------------------------------------------------------------------------
+// PK2006: equations 5 to 8 and the channel
+
+BOOST_AUTO_TEST_CASE(pk5_ratio_and_slope) {
+    for (int d : {2, 3}) {
+        // a Langevin particle: msd = 2 d D (t - tau (1 - exp(-t/tau)))
+        double const D = 0.7, tau = 0.3;
+        auto const msd = [&](double t) { return 2 * d * D * (t - tau * (1 - std::exp(-t / tau))); };
+        check_close(diffusion_from_displacement(d, msd(3000.0), 3000.0), D * (1 - 1e-4), 1e-8);
+        check_close(diffusion_from_displacement(d, msd(30.0) - msd(20.0), 10.0), D);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(pk6_printed_delta_lacks_the_surface_of_the_sphere) {
+    // Independent uniform points in a periodic box, g = 1.
+    constexpr std::size_t particles = 400;
+    double const L = 5.0, n = particles / (L * L * L), r_min = 1.1, r_max = 1.4;
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> uniform(0.0, L);
+    double pairs = 0.0;
+    constexpr int samples = 60;
+    for (int sample = 0; sample < samples; ++sample) {
+        std::vector<Vector> x(particles);
+        for (auto& point : x)
+            for (auto& component : point) component = uniform(random);
+        for (std::size_t i = 0; i < particles; ++i)
+            for (std::size_t j = 0; j < i; ++j) {
+                double r2 = 0.0;
+                for (std::size_t c = 0; c < 3; ++c) {
+                    double const dx = x[i][c] - x[j][c];
+                    r2 += square(dx - L * std::round(dx / L));
+                }
+                if (r2 >= r_min * r_min && r2 < r_max * r_max) pairs += 1.0;
+            }
+    }
+    double const neighbours = 2.0 * pairs / (samples * double(particles));  // the double sum of eq. 6 over N
+    double const error = 4.0 / std::sqrt(pairs);
+    double const g = pair_distribution_in_shell(3, n, neighbours, r_min, r_max);
+    check_close(g, 1.0 - 1.0 / particles, error);
+    // As printed, with a delta function of the distance, a gas has 4 pi r^2 and not 1.
+    double const printed = neighbours / n / (r_max - r_min);
+    check_close(printed, 4 * pi * (square(r_max) + r_max * r_min + square(r_min)) / 3, 2 * error);
+    BOOST_TEST(printed > 15.0);
+    check_close(pair_distribution_in_shell(2, 0.7, 3.0, 0.0, 1.2), 3.0 / (0.7 * pi * 1.44));
+    BOOST_CHECK_THROW(pair_distribution_in_shell(3, 1, 1, 1, 1), std::invalid_argument);
+    BOOST_CHECK_THROW(pair_distribution_in_shell(3, 1, 1, -0.1, 1), std::invalid_argument);
+}
+
+BOOST_AUTO_TEST_CASE(pk8_virial_pressure_by_hand_and_its_constant) {
+    for (double rc : {1.0, 1.4}) {
+        Gas const space{.d = 3, .n = 0.7, .m = 2.3, .kT = 1.7, .rc = rc};
+        Gas const plane{.d = 2, .n = 0.7, .m = 2.3, .kT = 1.7, .rc = rc};
+        double const a = 2.9, r4 = std::pow(rc, 4), r3 = std::pow(rc, 3);
+        // integral of (1 - x) x^3 is 1/20, of (1 - x) x^2 1/12
+        check_close(virial_pressure(space, a), 0.7 * 1.7 + 2 * pi * 0.49 / 3 * a * r4 / 20);
+        check_close(virial_pressure(plane, a), 0.7 * 1.7 + 0.49 / 4 * 2 * pi * a * r3 / 12);
+        check_close(repulsion_constant(space), pi / 30);
+        check_close(repulsion_constant(plane), pi / 24);
+        check_close(virial_pressure(space, a), groot_warren_pressure(space, a, pi / 30));
+        check_close(virial_sound_speed(space, a), groot_warren_sound_speed(space, a, pi / 30));
+        check_close(virial_sound_speed(space, a), std::sqrt((1.7 + 4 * pi * 0.7 / 3 * a * r4 / 20) / 2.3));
+        check_close(virial_sound_speed(plane, a), std::sqrt((1.7 + 0.35 * 2 * pi * a * r3 / 12) / 2.3));
+        // a hole in g: integral of (1 - x) x^3 from 1/2 on is 13/320
+        PairDistribution const hole = [rc](double r) { return r < 0.5 * rc ? 0.0 : 1.0; };
+        check_close(repulsion_constant(space, hole), 2 * pi / 3 * 13 / 320, 1e-8);
+        BOOST_CHECK_THROW(groot_warren_pressure(plane, a, 0.1), std::domain_error);
+    }
+    // Groot and Warren's 0.101 +- 0.001 lies below g = 1
+    BOOST_TEST(repulsion_constant({.d = 3}) > 0.102);
+}
+
+BOOST_AUTO_TEST_CASE(pk8_is_minus_the_derivative_of_the_energy_of_particles_that_scale_with_the_box) {
+    // p V = N kT + <sum F r>/d: stretching a box of pairs at fixed x = r/L changes U by -sum F dr.
+    double const a = 2.9, rc = 1.4, r = 0.8, h = 1e-6;
+    auto const U = [&](double stretch) { return 0.5 * a * rc * square(1 - r * stretch / rc); };
+    double const virial = -(U(1 + h) - U(1 - h)) / (2 * h);  // = d V p of the pair
+    check_close(virial, a * (1 - r / rc) * r, 1e-8);
+    for (int d : {2, 3}) {
+        // n^2 V/2 pairs per volume element, virial/(d V) each
+        double const n = 0.7;
+        double const sum =
+            n * n / (2.0 * d) * volume_integral(d, rc, [&](double s) { return a * (1 - s / rc) * s; });
+        check_close(virial_pressure({.d = d, .n = n, .rc = rc}, a) - n, sum);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(pk7_is_the_slope_of_pk8_only_if_g_does_not_change_with_density) {
+    double const a = 2.9, n = 0.7, h = 1e-4;
+    auto const g_at = [](double density) -> PairDistribution {
+        return [density](double r) { return 1.0 + 0.3 * density * std::cos(3.0 * r); };
+    };
+    auto const slope = [&](bool with_g) {
+        auto const p = [&](double density) {
+            return virial_pressure({.n = density}, a, g_at(with_g ? density : n));
+        };
+        return (p(n + h) - p(n - h)) / (2 * h);
+    };
+    double const c2 = square(virial_sound_speed({.n = n}, a, g_at(n)));
+    check_close(c2, slope(false), 1e-7);
+    // The term that eq. 7 leaves out, (n^2/(2 d)) [F r dg/dn].
+    double const rest = n * n / 6 * volume_integral(3, 1.0, [&](double r) {
+                            return a * (1 - r) * r * 0.3 * std::cos(3.0 * r);
+                        });
+    check_close(slope(true), c2 + rest, 1e-7);
+    BOOST_TEST(std::abs(rest) > 1e-3 * c2);
+}
+
+BOOST_AUTO_TEST_CASE(pk_profiles_balance_the_body_force) {
+    double const n = 0.7, force = 0.3, eta = 3.1, L = 12, h = 1e-3;
+    double const u_max = poiseuille_maximum_velocity(n, force, eta, L);
+    check_close(u_max, n * force * L * L / (8 * eta));
+    for (double z : {0.5, 3.0, 6.0, 11.0}) {
+        auto const u = [&](double x) { return poiseuille_velocity(n, force, eta, L, x); };
+        check_close(eta * (u(z + h) - 2 * u(z) + u(z - h)) / (h * h), -n * force, 1e-6);
+        check_close(power_law_velocity(u_max, 1.0, L, z), u(z));
+    }
+    BOOST_TEST(poiseuille_velocity(n, force, eta, L, 0) == 0.0);
+    BOOST_TEST(poiseuille_velocity(n, force, eta, L, L) == 0.0);
+    // power law: the stress K (du/dz)^index rises in proportion to the distance from the centre
+    for (double index : {0.738, 1.0, 1.6}) {
+        auto const u = [&](double z) { return power_law_velocity(u_max, index, L, z); };
+        auto const stress = [&](double z) { return std::pow((u(z + h) - u(z - h)) / (2 * h), index); };
+        check_close(stress(1.0) / stress(4.0), 5.0 / 2.0, 1e-5);
+        BOOST_TEST(u(0.0) == 0.0);
+        BOOST_TEST(u(L) == 0.0);
+        BOOST_TEST(u(L / 2) == u_max);
+        check_close(u(2.0), u(L - 2.0));
+    }
+    // The printed argument |L - z|/L/2 is 1/2 at one wall, 0 at the other: no profile between two walls.
+    auto const printed = [&](double z) { return 1 - std::pow(std::abs(L - z) / L / 2, 1 / 0.738 + 1); };
+    check_close(printed(0.0), 1 - std::pow(0.5, 2.35501), 1e-5);
+    BOOST_TEST(printed(0.0) > 0.8);
+    BOOST_TEST(printed(L) == 1.0);
+    for (double z : {-0.1, 12.1})
+        BOOST_CHECK_THROW(poiseuille_velocity(n, force, eta, L, z), std::invalid_argument);
+}
+
+BOOST_AUTO_TEST_CASE(pk_kinetic_theory_of_the_quadratic_weight) {
+    for (double rc : {1.0, 1.4}) {
+        double const n = 2.7, m = 2.3, kT = 1.7, gamma = 5.1;
+        Shardlow const s{.gamma = gamma, .weight = Weight::quadratic};
+        Gas const space{.d = 3, .n = n, .m = m, .kT = kT, .rc = rc};
+        Gas const plane{.d = 2, .n = n, .m = m, .kT = kT, .rc = rc};
+        check_close(diffusion_constant_limit(space, s), 45 * kT / (2 * pi * gamma * n * std::pow(rc, 3)));
+        check_close(kinetic_viscosity_limit(space, s), 45 * m * kT / (4 * pi * gamma * std::pow(rc, 3)));
+        check_close(collision_viscosity_limit(space, s), 2 * pi * gamma * n * n * std::pow(rc, 5) / 1575);
+        check_close(relaxation_rate(space, s), 2 * pi * gamma * n * std::pow(rc, 3) / (45 * m));
+        check_close(diffusion_constant_limit(plane, s), 12 * kT / (pi * gamma * n * rc * rc));
+        check_close(kinetic_viscosity_limit(plane, s), 6 * m * kT / (pi * gamma * rc * rc));
+        check_close(collision_viscosity_limit(plane, s), pi * gamma * n * n * std::pow(rc, 4) / 480);
+        check_close(relaxation_rate(plane, s), pi * gamma * n * rc * rc / (12 * m));
+    }
+    // at the paper's n = 3, kT = 0.1, gamma = 45
+    Given const fluid{{"n", "3"}, {"kT", "0.1"}, {"gamma", "45"}, {"weight", "quadratic"}};
+    check_close(evaluate("ng17-limit", fluid), 0.0053051647697, 1e-9);
+    check_close(evaluate("ng10", Given{{"kT", "0.1"}, {"gamma", "45"}, {"weight", "quadratic"}}),
+                0.0079577471546, 1e-9);
+    check_close(evaluate("ng12-limit", Given{{"n", "3"}, {"gamma", "45"}, {"weight", "quadratic"}}),
+                1.6156762218, 1e-9);
+}
+
+// -----------------------------------------------------------------------------------------------------
+// Lennard-Jones
+
+namespace {
+
+constexpr std::array all_truncations{Truncation::none, Truncation::energy_shift, Truncation::linear_force};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(lennard_jones_force_and_curvature_are_derivatives) {
+    double const h = 1e-5;
+    for (auto truncation : all_truncations) {
+        LennardJones const lj{.epsilon = 0.7, .sigma = 1.3, .rc = 3.1, .truncation = truncation};
+        for (double r : {1.1, 1.46, 2.0, 3.0}) {
+            auto const u = [&](double x) { return lennard_jones_energy(lj, x); };
+            auto const f = [&](double x) { return lennard_jones_force(lj, x); };
+            check_close(f(r), (u(r - h) - u(r + h)) / (2 * h), 1e-6);
+            check_close(lennard_jones_curvature(lj, r), (f(r - h) - f(r + h)) / (2 * h), 1e-6);
+        }
+        for (double r : {3.1, 4.0}) {
+            BOOST_TEST(lennard_jones_energy(lj, r) == 0.0);
+            BOOST_TEST(lennard_jones_force(lj, r) == 0.0);
+            BOOST_TEST(lennard_jones_curvature(lj, r) == 0.0);
+        }
+        double const last = 3.1 * (1 - 1e-9);
+        BOOST_TEST((std::abs(lennard_jones_energy(lj, last)) < 1e-8) == (truncation != Truncation::none));
+        BOOST_TEST((std::abs(lennard_jones_force(lj, last)) < 1e-8) ==
+                   (truncation == Truncation::linear_force));
+    }
+    double const minimum = std::pow(2.0, 1.0 / 6.0);
+    for (auto truncation : all_truncations) {  // without a cut-off they are the same
+        LennardJones const lj{.truncation = truncation};
+        check_close(lennard_jones_energy(lj, minimum), -1);
+        BOOST_TEST(std::abs(lennard_jones_force(lj, minimum)) < 1e-13);
+        check_close(lennard_jones_curvature(lj, minimum), 72 / std::cbrt(2.0));
+        BOOST_TEST(lennard_jones_energy(lj, 1.0) == 0.0);
+        check_close(lennard_jones_force(lj, 1.0), 24);
+    }
+    for (double bad : {0.0, -1.0, std::nan("")}) {
+        BOOST_CHECK_THROW(lennard_jones_energy({}, bad), std::invalid_argument);
+        BOOST_CHECK_THROW(lennard_jones_energy({.rc = bad}, 1.0), std::invalid_argument);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(lennard_jones_tails_are_integrals_beyond_the_cut_off) {
+    using Quadrature = boost::math::quadrature::gauss_kronrod<double, 31>;
+    double const n = 0.8;
+    for (double rc : {2.5, 3.0, 4.0})
+        for (auto truncation : all_truncations) {
+            LennardJones const lj{.epsilon = 0.7, .sigma = 1.3, .rc = rc, .truncation = truncation};
+            LennardJones const full{.epsilon = 0.7, .sigma = 1.3};
+            // over s = 1/r, so that the range is finite
+            auto const beyond = [&](auto const& f) {
+                return Quadrature::integrate([&](double s) { return 4 * pi * f(1 / s) / (s * s * s * s); },
+                                             1e-12, 1 / rc, 5, 1e-12);
+            };
+            double const energy = beyond([&](double r) { return lennard_jones_energy(full, r); });
+            double const virial = beyond([&](double r) { return lennard_jones_force(full, r) * r; });
+            check_close(lennard_jones_tail_energy(lj, n), n / 2 * energy, 1e-9);
+            check_close(lennard_jones_tail_pressure(lj, n), n * n / 6 * virial, 1e-9);
+            // the pulse u(rc) delta(r - rc) of the force
+            double const jump = n * n / 6 * 4 * pi * rc * rc * rc * lennard_jones_energy(full, rc);
+            check_close(lennard_jones_jump_pressure(lj, n), jump, 1e-12);
+            // By parts: the pressure of the tail's energy is what the tail adds less the pulse that it
+            // removes.
+            check_close(n * lennard_jones_tail_energy(lj, n), lennard_jones_tail_pressure(lj, n) - jump,
+                        1e-12);
+        }
+    BOOST_CHECK_THROW(lennard_jones_tail_energy({}, n), std::invalid_argument);
+}
+
+BOOST_AUTO_TEST_CASE(lennard_jones_tail_energy_of_the_nist_configurations) {
+    struct Published {
+        double particles, side, at_3, at_4;
+    };
+    for (auto const& c : {Published{800, 10, -198.49, -83.769},
+                          {200, 8, -24.230, -10.226},
+                          {400, 10, -49.622, -20.942},
+                          {30, 8, -0.54517, -0.23008}}) {
+        double const n = c.particles / (c.side * c.side * c.side);
+        check_close(c.particles * lennard_jones_tail_energy({.rc = 3}, n), c.at_3, 3e-5);
+        check_close(c.particles * lennard_jones_tail_energy({.rc = 4}, n), c.at_4, 3e-5);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(kolafa_nezbeda_published_values) {
+    // quoted with the authors' program, whose constants are rounded to single precision: to 1e-6
+    auto const quoted = [](double value, double expected) {
+        BOOST_TEST(std::abs(value - expected) < 1e-6, "value " << value << ", quoted " << expected);
+    };
+    quoted(lennard_jones_pressure(0.2, 1.3), 0.12147936810578708);
+    quoted(lennard_jones_pressure(0.4, 1.3), 0.11253334756806482);
+    quoted(lennard_jones_internal_energy(0.2, 1.3), -1.5371511277396868);
+    quoted(lennard_jones_internal_energy(0.4, 1.3), -2.806016725054152);
+}
+
+BOOST_AUTO_TEST_CASE(kolafa_nezbeda_is_consistent) {
+    double const h = 1e-5;
+    for (double n : {0.05, 0.4, 0.8, 0.95})
+        for (double kT : {0.75, 1.3, 4.0}) {
+            auto const p = [](double density, double temperature) {
+                return lennard_jones_pressure(density, temperature);
+            };
+            double const slope = (p(n + h, kT) - p(n - h, kT)) / (2 * h);
+            check_close(lennard_jones_inverse_compressibility(n, kT), slope / kT, 1e-6);
+            // n^2 du/dn = p - T dp/dT
+            double const du =
+                (lennard_jones_internal_energy(n + h, kT) - lennard_jones_internal_energy(n - h, kT)) /
+                (2 * h);
+            double const dp = (p(n, kT + h) - p(n, kT - h)) / (2 * h);
+            check_close(n * n * du, p(n, kT) - kT * dp, 1e-5);
+        }
+    BOOST_CHECK_THROW(lennard_jones_pressure(2.5, 1.0), std::domain_error);
+}
+
+BOOST_AUTO_TEST_CASE(kolafa_nezbeda_has_the_second_virial_coefficient) {
+    using Quadrature = boost::math::quadrature::gauss_kronrod<double, 31>;
+    for (double kT : {0.8, 1.0, 1.5, 3.0, 6.0}) {
+        auto const mayer = [&](double r) {
+            return -2 * pi * r * r * std::expm1(-lennard_jones_energy({}, r) / kT);
+        };
+        double const far = 40.0;  // beyond, exp(-u/kT) - 1 is 4/(kT r^6)
+        double const B = Quadrature::integrate(mayer, 1e-3, 1.0, 15, 1e-10) +
+                         Quadrature::integrate(mayer, 1.0, far, 15, 1e-10) -
+                         8 * pi / (3 * kT * far * far * far);
+        double const n = 1e-7;
+        double const fitted = (lennard_jones_pressure(n, kT) / (n * kT) - 1) / n;
+        BOOST_TEST(std::abs(fitted - B) < 1e-2, "kT " << kT << ": B " << B << ", fitted " << fitted);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(kolafa_nezbeda_against_simulation) {
+    // NIST, Monte Carlo of 500 particles, cut-off 3 with tails
+    struct Point {
+        double kT, n, energy, pressure;
+    };
+    for (auto const& s : {Point{0.85, 0.776, -5.5121, 0.0067714},
+                          {0.85, 0.78, -5.5386, 0.047924},
+                          {0.85, 0.82, -5.7947, 0.55355},
+                          {0.85, 0.86, -6.0305, 1.2660},
+                          {0.85, 0.9, -6.2391, 2.2314},
+                          {0.9, 0.776, -5.4689, 0.24056},
+                          {0.9, 0.78, -5.4956, 0.27851},
+                          {0.9, 0.82, -5.7456, 0.82386},
+                          {0.9, 0.86, -5.9753, 1.5781},
+                          {0.9, 0.9, -6.1773, 2.5848}}) {
+        BOOST_TEST(std::abs(lennard_jones_pressure(s.n, s.kT) - s.pressure) < 0.02);
+        BOOST_TEST(std::abs(lennard_jones_internal_energy(s.n, s.kT) - s.energy) < 0.01);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(pk_printed_compressibility_of_the_atoms_and_their_temperature) {
+    auto const kappa = [](double kT) { return lennard_jones_inverse_compressibility(0.8, kT); };
+    // 15.36 at n = 0.8: two temperatures without a cut-off, 1.00 and 1.42, and 15.49 at most between them
+    BOOST_TEST(kappa(1.00) < 15.36);
+    BOOST_TEST(kappa(1.02) > 15.36);
+    BOOST_TEST(kappa(1.41) > 15.36);
+    BOOST_TEST(kappa(1.44) < 15.36);
+    for (double kT = 1.02; kT < 1.41; kT += 0.01) BOOST_TEST(kappa(kT) < 15.50);
+    // outside the range it falls: the printed value decides between liquids as far apart as 0.9 and 1.6 only
+    BOOST_TEST(kappa(0.9) < 15.15);
+    BOOST_TEST(kappa(1.6) < 15.20);
+    // the tail raises it at every cut-off: dp/dn loses 2/n of the (negative) pressure of the tail
+    double const lost = 2 * lennard_jones_tail_pressure({.rc = 2.5}, 0.8) / 0.8;
+    BOOST_TEST(kappa(1.0) - lost > 17.0);
+    check_close(kappa(2.0892) - lost / 2.0892, 15.36, 1e-4);
+}
+
 // ------------------------------------------------------------------------------------------------------
 // units
 
@@ -1316,6 +1876,16 @@ BOOST_AUTO_TEST_CASE(what_is_not_positive_is_refused) {
         BOOST_CHECK_THROW(stress_retention({.d = 3, .n = 1, .rc = bad}, s1, 1.0), std::invalid_argument);
         BOOST_CHECK_THROW(critical_step({.n = bad, .gamma = 1}), std::invalid_argument);
         BOOST_CHECK_THROW(diffusion_finite_size_correction(1, 1, bad), std::invalid_argument);
+        BOOST_CHECK_THROW(cutoff_radius({.Nm = bad}), std::invalid_argument);
+        BOOST_CHECK_THROW(conservative_coefficient({}, bad), std::invalid_argument);
+        BOOST_CHECK_THROW(time_unit({}, bad), std::invalid_argument);
+        BOOST_CHECK_THROW(mach_number({.eta_md = bad}, 1, 1, 1, 1), std::invalid_argument);
+        BOOST_CHECK_THROW(virial_pressure({.d = 3, .n = 1}, bad), std::invalid_argument);
+        BOOST_CHECK_THROW(groot_warren_sound_speed({.d = 3, .n = 1}, 1, bad), std::invalid_argument);
+        BOOST_CHECK_THROW(power_law_velocity(1, bad, 1, 0.5), std::invalid_argument);
+        BOOST_CHECK_THROW(lennard_jones_tail_pressure({.rc = bad}, 1), std::invalid_argument);
+        BOOST_CHECK_THROW(lennard_jones_pressure(bad, 1), std::invalid_argument);
+        BOOST_CHECK_THROW(lennard_jones_internal_energy(0.8, bad), std::invalid_argument);
     }
 }
 
@@ -1323,11 +1893,62 @@ BOOST_AUTO_TEST_CASE(what_is_not_positive_is_refused) {
 // registry
 
 BOOST_AUTO_TEST_CASE(registry_lists_the_promised_ids_with_known_parameters) {
-    std::vector<std::string_view> const promised{
-        "my22",       "my22-frozen", "my23-A1",       "my23-A2",   "my23-A3",    "my25", "my26",
-        "ng8",        "ng9",         "ng10",          "ng12",      "ng12-limit", "ng17", "ng17-limit",
-        "ng8-lowe",   "ng9-lowe",    "ng12-lowe",     "ng17-lowe", "ng14",       "ng16", "ng-phi",
-        "ng-schmidt", "vacf-tail",   "vacf-tail-box", "yeh-hummer"};
+    std::vector<std::string_view> const promised{"my22",
+                                                 "my22-frozen",
+                                                 "my23-A1",
+                                                 "my23-A2",
+                                                 "my23-A3",
+                                                 "my25",
+                                                 "my26",
+                                                 "ng8",
+                                                 "ng9",
+                                                 "ng10",
+                                                 "ng12",
+                                                 "ng12-limit",
+                                                 "ng17",
+                                                 "ng17-limit",
+                                                 "ng8-lowe",
+                                                 "ng9-lowe",
+                                                 "ng12-lowe",
+                                                 "ng17-lowe",
+                                                 "ng14",
+                                                 "ng16",
+                                                 "ng-phi",
+                                                 "ng-schmidt",
+                                                 "pk1",
+                                                 "pk2",
+                                                 "pk3",
+                                                 "pk3-Nm",
+                                                 "pk4",
+                                                 "pk5",
+                                                 "pk6",
+                                                 "pk7",
+                                                 "pk8",
+                                                 "pk-table1",
+                                                 "pk-gamma",
+                                                 "pk-speedup",
+                                                 "pk-alpha",
+                                                 "pk-pressure",
+                                                 "pk-kappa",
+                                                 "pk-sound",
+                                                 "pk-force",
+                                                 "pk-temperature",
+                                                 "pk-mach",
+                                                 "pk-poiseuille",
+                                                 "pk-umax",
+                                                 "pk-power-law",
+                                                 "pk-schmidt",
+                                                 "lj-energy",
+                                                 "lj-force",
+                                                 "lj-tail-energy",
+                                                 "lj-tail-pressure",
+                                                 "lj-jump-pressure",
+                                                 "lj-pressure",
+                                                 "lj-internal-energy",
+                                                 "lj-kappa",
+                                                 "vacf-tail",
+                                                 "vacf-tail-box",
+                                                 "yeh-hummer"};
     std::vector<std::string_view> listed;
     for (auto const& form : closed_forms()) {
         listed.push_back(form.id);
@@ -1336,6 +1957,8 @@ BOOST_AUTO_TEST_CASE(registry_lists_the_promised_ids_with_known_parameters) {
             for (auto name : names)
                 BOOST_TEST((std::ranges::count(parameters(), name, &Parameter::name) == 1));
         for (auto name : form.without_effect) BOOST_TEST((std::ranges::count(form.parameters, name) == 0));
+        for (auto const& pair : form.defaults)
+            BOOST_TEST((std::ranges::count(form.parameters, pair.first) == 1));
     }
     BOOST_TEST(listed == promised, boost::test_tools::per_element());
     BOOST_TEST((find("my24") == nullptr));
@@ -1358,6 +1981,22 @@ BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
                     {"phi_pot", "0.9"},
                     {"phi_dpd", "0.2"},
                     {"a", "25"},
+                    {"Nm", "9"},
+                    {"alpha", "0.12"},
+                    {"inverse_compressibility", "14.2"},
+                    {"n_md", "0.9"},
+                    {"eta_md", "2.1"},
+                    {"L_md", "31"},
+                    {"force_md", "0.009"},
+                    {"force", "0.3"},
+                    {"u_max", "0.8"},
+                    {"index", "0.7"},
+                    {"z", "2.7"},
+                    {"msd", "3.3"},
+                    {"neighbours", "1.9"},
+                    {"r_min", "1.1"},
+                    {"r_max", "1.3"},
+                    {"r", "1.2"},
                     {"weight", "root"},
                     {"random_weight", "quadratic"},
                     {"scheme", "exponential"}};
@@ -1370,6 +2009,10 @@ BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
     double const dt = c.dt;
     auto matched = fluid;
     matched.random_weight.reset();
+    CoarseGraining const map{
+        .Nm = 9, .n = 0.7, .n_md = 0.9, .eta_md = 2.1, .inverse_compressibility = 14.2, .alpha = 0.12};
+    Gas const liquid{.d = 3, .n = 0.7, .m = 2.3, .kT = 1.7, .rc = 1.4};
+    LennardJones const lj{.rc = 1.4};
     std::vector<std::pair<std::string_view, double>> const expected{
         {"my22", temperature_at_finite_step(fluid, dt)},
         {"my22-frozen", temperature_with_frozen_neighbours(matched, dt)},
@@ -1393,6 +2036,37 @@ BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
         {"ng16", potential_viscosity(gas, {.a = 25}, 0.9)},
         {"ng-phi", relaxation_rate(gas, s1)},
         {"ng-schmidt", schmidt_number(gas, s1, dt)},
+        {"pk1", 20.7},
+        {"pk2", cutoff_radius(map)},
+        {"pk3", conservative_coefficient(map, 1.7)},
+        {"pk3-Nm", atoms_per_particle(map, 25, 1.7)},
+        {"pk4", time_unit(map, 3.1)},
+        {"pk5", diffusion_from_displacement(2, 3.3, 2.7)},
+        {"pk6", pair_distribution_in_shell(2, 0.7, 1.9, 1.1, 1.3)},
+        {"pk7", virial_sound_speed(gas, 25)},
+        {"pk8", virial_pressure(gas, 25)},
+        {"pk-table1", length_in_dpd_units(map, 31)},
+        {"pk-gamma", matched_friction(1.9, 1.7)},
+        {"pk-speedup", speed_up(9)},
+        {"pk-alpha", repulsion_constant({.d = 2})},
+        {"pk-pressure", groot_warren_pressure(liquid, 25, 0.12)},
+        {"pk-kappa", groot_warren_inverse_compressibility(liquid, 25, 0.12)},
+        {"pk-sound", groot_warren_sound_speed(liquid, 25, 0.12)},
+        {"pk-force", force_in_dpd_units(map, 3.1, 0.009)},
+        {"pk-temperature", temperature_in_md_units(map, 3.1, 1.7)},
+        {"pk-mach", mach_number(map, 3.1, 1.7, 0.009, 31)},
+        {"pk-poiseuille", poiseuille_velocity(0.7, 0.3, 3.1, 12, 2.7)},
+        {"pk-umax", poiseuille_maximum_velocity(0.7, 0.3, 3.1, 12)},
+        {"pk-power-law", power_law_velocity(0.8, 0.7, 12, 2.7)},
+        {"pk-schmidt", schmidt_number(3.1, 0.7, 2.3, 0.4)},
+        {"lj-energy", lennard_jones_energy({}, 1.2)},
+        {"lj-force", lennard_jones_force({}, 1.2)},
+        {"lj-tail-energy", lennard_jones_tail_energy(lj, 0.7)},
+        {"lj-tail-pressure", lennard_jones_tail_pressure(lj, 0.7)},
+        {"lj-jump-pressure", lennard_jones_jump_pressure(lj, 0.7)},
+        {"lj-pressure", lennard_jones_pressure(0.7, 1.7)},
+        {"lj-internal-energy", lennard_jones_internal_energy(0.7, 1.7)},
+        {"lj-kappa", lennard_jones_inverse_compressibility(0.7, 1.7)},
         {"vacf-tail", velocity_autocorrelation_tail(gas, 3.1, 0.4, 2.7)},
         {"vacf-tail-box", velocity_autocorrelation_tail_in_box(gas, 3.1, 0.4, 12, 2.7)},
         {"yeh-hummer", diffusion_finite_size_correction(1.7, 3.1, 12)}};
@@ -1438,6 +2112,14 @@ BOOST_AUTO_TEST_CASE(registry_defaults) {
     BOOST_TEST(evaluate("my22", matched) == value);
     matched.back().second = "root";  // its square is linear, the weight of the friction
     check_close(evaluate("my22", matched), value);
+    // A form may have its own: the density of PK2006, and no cut-off radius that suits atoms.
+    BOOST_TEST(evaluate("pk2", Given{{"Nm", "5"}}) == cutoff_radius({.Nm = 5}));
+    BOOST_TEST(evaluate("pk3", Given{{"Nm", "5"}, {"kT", "0.1"}}) ==
+               conservative_coefficient({.Nm = 5}, 0.1));
+    BOOST_TEST(evaluate("pk3", Given{{"Nm", "5"}, {"n", "4"}}) ==
+               conservative_coefficient({.Nm = 5, .n = 4}, 1));
+    BOOST_CHECK_THROW(evaluate("lj-tail-energy", Given{{"n", "0.8"}}), std::invalid_argument);
+    BOOST_CHECK_THROW(evaluate("pk8", Given{{"a", "25"}}), std::invalid_argument);
 }
 
 BOOST_AUTO_TEST_CASE(registry_refuses_bad_input_in_one_clear_line) {
