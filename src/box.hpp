@@ -17,12 +17,29 @@ template <int d>
 struct Box {
     Vec<d> length = Vec<d>::Ones();
     double shear_rate = 0.0;
+    double wall = 0.0;  ///< thickness of the wall at either y boundary; the fluid is between them
 
     double volume() const { return length.prod(); }
+    double fluid_volume() const { return volume() * (1.0 - 2.0 * wall / length[1]); }
     bool sheared() const { return shear_rate != 0.0; }
     double image_speed() const { return shear_rate * length[1]; }
     double offset(double time) const { return std::fmod(image_speed() * time, length[0]); }
     double flow_velocity(double y) const { return shear_rate * (y - 0.5 * length[1]); }
+
+    /// Sends back what has entered a wall in the last `span` of time: along its own path, with its velocity
+    /// reversed (bounce-back, no slip). Throws Diverged for what is deeper inside than the wall is thick.
+    void bounce_back(Particles<d>& particles, double span) const {
+        for (Eigen::Index p = 0; p < particles.size(); ++p) {
+            double const y = particles.position(p, 1);
+            double const depth = y < wall ? wall - y : y - (length[1] - wall);
+            if (!(depth > 0.0) || particles.frozen(p)) continue;
+            double const inside = depth / std::abs(particles.velocity(p, 1));  // time since the crossing
+            if (!(depth <= wall && inside <= span * (1.0 + 1e-9)))
+                throw Diverged("a particle went through a wall");
+            particles.position.row(p) -= 2.0 * inside * particles.velocity.row(p);
+            particles.velocity.row(p) = -particles.velocity.row(p);
+        }
+    }
 
     /// Returns every particle to the primary box at `time`; a particle that leaves through a y boundary in
     /// shear changes to its image's x and velocity. Throws Diverged for a position that is not a number or

@@ -121,6 +121,22 @@ double cost_of(Scene const& scene) {
     return double(scene.steps()) * substeps * double(scene.particles) * (4.0 + pairs);
 }
 
+// Curves that others refer to have to be there before anything runs.
+void check_references(Figure const& figure, std::string const& file) {
+    auto const check = [&](std::string const& curve, std::string const& key, std::string const& name) {
+        bool const known = std::any_of(figure.curves.begin(), figure.curves.end(),
+                                       [&](FigureCurve const& other) { return other.name == name; });
+        if (!known)
+            throw InputError(fmt::format("{}: curve {}: {}: there is no curve {}", file, curve, key, name));
+    };
+    for (auto const& curve : figure.curves) {
+        if (!curve.join.empty()) check(curve.name, "join", curve.join);
+        for (auto const& criterion : curve.criteria)
+            if (criterion.theory.starts_with("curve:"))
+                check(curve.name, "theory", criterion.theory.substr(6));
+    }
+}
+
 }  // namespace
 
 double theory_for(Scene const& scene, std::string const& id, std::optional<double> time) {
@@ -235,6 +251,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         figure.curves.push_back(std::move(curve));
     }
     root.finish();
+    check_references(figure, path.string());
     return figure;
 }
 
@@ -247,6 +264,9 @@ void append_bins(std::vector<Point>& points, FigureCurve const& curve, Point con
     std::vector<std::size_t> bins;
     for (std::size_t bin = 0; bin < x.size(); bin += curve.every)
         if (x[bin] >= curve.from && x[bin] <= curve.to && y[bin].blocks > 0) bins.push_back(bin);
+    if (bins.empty())
+        throw InputError(fmt::format("curve {}: its scene does not measure {}, or not from {:g} to {:g}",
+                                     curve.name, curve.record, curve.from, curve.to));
     for (std::size_t const bin : bins) {
         Point point = run;
         point.x = x[bin];
@@ -451,7 +471,8 @@ Verdict judge(Comparison const& comparison, std::size_t family) {
         double const clear = clearance(comparison, false_alarm);
         if (clear > 1.0) return Verdict::agrees;
         // near the bound, or on the wrong side within the error, the sharpness decides as for an equality
-        if (clear >= 0.0 && comparison.estimate.error <= criterion.resolution * std::abs(comparison.theory))
+        if (clear >= 0.0 &&
+            against_theory(comparison).error <= criterion.resolution * std::abs(comparison.theory))
             return Verdict::agrees;
     }
     return judge(against_theory(comparison), comparison.theory, criterion.tolerance, criterion.resolution,
@@ -462,8 +483,9 @@ double seconds_to_decide(Comparison const& comparison, std::size_t family) {
     auto const& criterion = comparison.criterion;
     double const false_alarm = false_alarm_of_one(family);
     if (judge(comparison, family) != Verdict::undecided) return 0.0;
-    double factor = time_factor_to_decide(against_theory(comparison), comparison.theory, criterion.tolerance,
-                                          criterion.resolution, false_alarm);
+    double factor = time_factor_to_decide(
+        against_theory(comparison), comparison.theory, criterion.tolerance,
+        criterion.relation == Relation::differs ? 0.0 : criterion.resolution, false_alarm);
     // a bound is also decided once the value clears it
     if (criterion.relation == Relation::at_most || criterion.relation == Relation::at_least)
         factor = std::min(factor, std::pow(clearance(comparison, false_alarm), -2));
@@ -494,6 +516,9 @@ Json to_json(Comparison const& c) {
             {"seconds", c.seconds}};
 }
 
+// JSON has no NaN and writes null.
+double number_or_nan(Json const& json) { return json.is_null() ? std::nan("") : json.get<double>(); }
+
 Comparison from_json(Json const& json) {
     Comparison c;
     c.figure = json.at("figure");
@@ -502,12 +527,12 @@ Comparison from_json(Json const& json) {
     c.x = json.at("x");
     c.criterion.quantity = json.at("quantity");
     c.estimate.value = json.at("value");
-    c.estimate.error = json.at("error").is_null() ? std::nan("") : json.at("error").get<double>();
+    c.estimate.error = number_or_nan(json.at("error"));
     c.estimate.blocks = json.at("blocks");
     c.estimate.inefficiency = json.at("inefficiency");
     c.criterion.theory = json.at("theory");
     c.theory = json.at("theory_value");
-    c.theory_error = json.at("theory_error");
+    c.theory_error = number_or_nan(json.at("theory_error"));
     c.criterion.relation = relation_from_name(json.at("relation").get<std::string>());
     c.criterion.tolerance = json.at("tolerance");
     c.criterion.resolution = json.at("resolution");

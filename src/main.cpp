@@ -37,10 +37,10 @@ void list_theory(bool json) {
         std::string parameters;
         for (auto const& parameter : theory::parameters())
             if (std::find(form.parameters.begin(), form.parameters.end(), parameter.name) !=
-                form.parameters.end())
-                parameters +=
-                    fmt::format(" {}{}", parameter.name,
-                                parameter.default_text ? fmt::format("={}", *parameter.default_text) : "");
+                form.parameters.end()) {
+                auto const value = form.default_text(parameter);
+                parameters += fmt::format(" {}{}", parameter.name, value ? fmt::format("={}", *value) : "");
+            }
         if (json)
             list.push_back({{"id", form.id},
                             {"paper", form.paper},
@@ -49,7 +49,7 @@ void list_theory(bool json) {
                             {"formula", form.formula},
                             {"parameters", form.parameters}});
         else
-            fmt::print("{:<14} {:<8} {:<14} {:<32}{}\n", form.id, form.paper, form.equation, form.quantity,
+            fmt::print("{:<16} {:<16} {:<12} {:<40}{}\n", form.id, form.paper, form.equation, form.quantity,
                        parameters);
     }
     if (json) fmt::print("{}\n", list.dump(1));

@@ -23,14 +23,18 @@ struct Particles {
         image;  ///< boxes travelled; unwrapped = position + image*length
     Eigen::Array<std::uint32_t, Eigen::Dynamic, 1> id;  ///< 0 .. N-1
     double mass = 1.0;
+    std::uint32_t mobile = 0;  ///< ids from here on are frozen: wall particles, which never move
 
     Eigen::Index size() const { return position.rows(); }
+    bool has_walls() const { return mobile < size(); }
+    bool frozen(Eigen::Index row) const { return id[row] >= mobile; }
 
     void resize(Eigen::Index n) {
         position.setZero(n, d);
         velocity.setZero(n, d);
         image.setZero(n, d);
         id.setLinSpaced(n, 0, static_cast<std::uint32_t>(n > 0 ? n - 1 : 0));
+        mobile = static_cast<std::uint32_t>(n);
     }
 };
 

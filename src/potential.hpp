@@ -52,6 +52,20 @@ private:
 /// What a scene may name.
 using AnyPotential = std::variant<Soft, LennardJones>;
 
+/// Factor on the conservative force of a pair: the walls' own particles do not interact.
+template <int d>
+double wall_factor(Simulation<d> const& simulation, std::uint32_t i, std::uint32_t j) {
+    bool const wall_i = simulation.particles.frozen(i), wall_j = simulation.particles.frozen(j);
+    return wall_i && wall_j ? 0.0 : wall_i || wall_j ? simulation.wall_strength : 1.0;
+}
+
+/// What does not move feels no force.
+template <int d>
+void forget_wall_forces(Simulation<d> const& simulation, Field<d>& force) {
+    for (Eigen::Index p = 0; p < force.rows(); ++p)
+        if (simulation.particles.frozen(p)) force.row(p).setZero();
+}
+
 /// Adds the conservative forces at the present positions to `field`, one row per particle. Returns the sum
 /// over pairs of f e_x y_ij.
 template <int d, class Potential>
@@ -60,11 +74,12 @@ double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d
     double* force[d];
     for (int axis = 0; axis < d; ++axis) force[axis] = field.col(axis).data();
     double virial = 0.0;
+    bool const walls = simulation.particles.has_walls();
     for (std::size_t k = 0; k < pairs.count; ++k) {
         double const r = pairs.distance[k];
         if (r >= potential.cutoff) continue;
-        double const f = potential.force(r);
         auto const i = pairs.i[k], j = pairs.j[k];
+        double const f = potential.force(r) * (walls ? wall_factor(simulation, i, j) : 1.0);
         for (int axis = 0; axis < d; ++axis) {
             double const component = f * pairs.unit[axis][k];
             force[axis][i] += component;
@@ -72,6 +87,7 @@ double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d
         }
         virial += f * pairs.unit[0][k] * pairs.unit[1][k] * r;
     }
+    if (walls) forget_wall_forces(simulation, field);
     simulation.counters.potential_evaluations += pairs.count;
     return virial;
 }

@@ -239,7 +239,8 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
         std::unique_ptr<Trajectory> trajectory;
         if (scene.trajectory_interval > 0 && options.output)
             trajectory = std::make_unique<Trajectory>(trajectory_path(*options.output), scene.length,
-                                                      scene.particles, scene.shear_rate, simulation.step);
+                                                      scene.particles + scene.wall_particles,
+                                                      scene.shear_rate, simulation.step);
         auto const start = Clock::now();
         auto const seconds = [&] {
             return earlier_seconds + std::chrono::duration<double>(Clock::now() - start).count();
@@ -410,7 +411,12 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.box.length = Eigen::Map<Vec<d> const>(scene.length.data());
     simulation.box.shear_rate = scene.shear_rate;
     simulation.particles.mass = scene.mass;
-    simulation.particles.resize(static_cast<Eigen::Index>(scene.particles));
+    simulation.box.wall = scene.wall;
+    simulation.particles.resize(static_cast<Eigen::Index>(scene.particles + scene.wall_particles));
+    simulation.particles.mobile = static_cast<std::uint32_t>(scene.particles);
+    if (auto const* const soft = std::get_if<Soft>(&scene.potential);
+        scene.wall_strength && soft && soft->strength > 0.0)
+        simulation.wall_strength = *scene.wall_strength / soft->strength;
     randomize(simulation.particles, simulation.box, scene.kT, scene.seed, scene.start);
     simulation.seed = scene.seed;
     simulation.time_step = scene.time_step;
@@ -541,6 +547,7 @@ Estimate estimate_of(std::vector<Quantity> const& quantities, std::string_view n
 template <class F>
 void add_function(std::vector<Quantity>& quantities, std::string name, std::vector<Estimate> const& arguments,
                   F&& f) {
+    if (find_quantity(quantities, name)) return;
     Estimate result;
     std::vector<double> at;
     for (auto const& argument : arguments) {

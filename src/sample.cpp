@@ -151,7 +151,7 @@ void Recorder<d>::sample_stress(Simulation<d>& simulation) {
     series["kinetic_stress"].push_back(stage.streamed ? stage.kinetic
                                                       : kinetic_stress(particles, box, simulation.time_step));
     if (simulation.potential_sums) series["potential_stress"].push_back(stage.potential);
-    if (parameters_.friction_stress) series["friction_stress"].push_back(stage.friction);
+    if (parameters_.friction_stress) series["friction_stress"].push_back(stage.rescaling + stage.friction);
     series["collision_stress"].push_back(
         stage.rescaling + stage.collision +
         (simulation.pairs_of_step()
@@ -183,6 +183,7 @@ void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index b
     double const bins_per_length = double(bins) / simulation.box.length[1];
     auto const& particles = simulation.particles;
     for (Eigen::Index p = 0; p < particles.size(); ++p) {
+        if (particles.frozen(p)) continue;
         auto const bin =
             std::min(static_cast<Eigen::Index>(particles.position(p, 1) * bins_per_length), bins - 1);
         velocity.sum(bin, block) += particles.velocity(p, 0);
@@ -194,6 +195,7 @@ void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index b
     // relative to the imposed flow; what else flows is taken off in the analysis
     Curve& square = record_.curves["velocity_squared_profile"];
     for (Eigen::Index p = 0; p < particles.size(); ++p) {
+        if (particles.frozen(p)) continue;
         double const y = particles.position(p, 1);
         auto const bin = std::min(static_cast<Eigen::Index>(y * bins_per_length), bins - 1);
         Vec<d> u = particles.velocity.row(p).matrix().transpose();
@@ -241,7 +243,7 @@ void Recorder<d>::correlate(Simulation<d> const& simulation, CorrelationParamete
     for (auto const& origin : origins) {
         auto const lag = static_cast<Eigen::Index>((simulation.step - origin.step) / parameters.spacing);
         curve.sum(lag, block_of(origin.step)) += product(now, origin.value);
-        curve.weight(lag, block_of(origin.step)) += double(now.rows());
+        curve.weight(lag, block_of(origin.step)) += double(simulation.particles.mobile);
     }
 }
 

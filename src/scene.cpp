@@ -116,16 +116,30 @@ void read_box(Scene& scene, TomlReader reader) {
     reader.finish();
 }
 
+void read_walls(Scene& scene, TomlReader reader) {
+    scene.wall = reader.number("thickness", std::nullopt, positive);
+    if (reader.has("strength")) scene.wall_strength = reader.number("strength", std::nullopt, non_negative);
+    if (2.0 * scene.wall >= scene.length[1])
+        reader.fail("thickness",
+                    fmt::format("{} leaves no fluid between the walls; allowed: less than half of "
+                                "box.length[1], {}",
+                                scene.wall, 0.5 * scene.length[1]));
+    if (scene.shear_rate != 0.0) reader.fail("thickness", "has walls in a sheared box; allowed: one of them");
+    reader.finish();
+}
+
 void read_particles(Scene& scene, TomlReader reader) {
     if (reader.has("number") == reader.has("density"))
         reader.fail("density", "give either particles.number or particles.density");
     double const count = reader.has("number")
                              ? double(reader.integer("number", std::nullopt, positive_integer))
-                             : reader.number("density", std::nullopt, positive) * scene.volume();
+                             : reader.number("density", std::nullopt, positive) * scene.fluid_volume();
     if (!(std::round(count) >= 2.0 && count < 1e9))
         reader.fail(reader.has("number") ? "number" : "density",
                     fmt::format("gives {:.0f} particles; allowed: 2 to 10^9", count));
     scene.particles = static_cast<std::uint64_t>(std::llround(count));
+    scene.wall_particles =
+        static_cast<std::uint64_t>(std::llround(scene.density() * (scene.volume() - scene.fluid_volume())));
     auto const start = reader.text("start", "random", start_names);
     scene.start =
         static_cast<Start>(std::find(start_names.begin(), start_names.end(), start) - start_names.begin());
@@ -252,13 +266,13 @@ struct StageTable {
 
 // The stages that have parameters.
 constexpr std::array<StageTable, 7> stage_tables{
-    {{"modified_verlet", "gamma, sigma and a potential", read_modified_verlet},
-     {"shardlow", "friction", read_shardlow},
-     {"lowe", "rate", read_lowe},
-     {"euler", "gamma and sigma", read_euler},
-     {"verlet", "a potential", read_verlet},
-     {"rescale", "nothing", read_rescale},
-     {"body_force", "acceleration", read_body_force}}};
+    {{"modified_verlet", " with at least gamma, sigma and a potential", read_modified_verlet},
+     {"shardlow", " with at least friction", read_shardlow},
+     {"lowe", " with at least rate", read_lowe},
+     {"euler", " with at least gamma and sigma", read_euler},
+     {"verlet", " with at least a potential", read_verlet},
+     {"rescale", "", read_rescale},
+     {"body_force", " with at least acceleration", read_body_force}}};
 
 void read_stage_parameters(Scene& scene, TomlReader& root) {
     for (auto const& [stage, needs, read] : stage_tables) {
@@ -266,7 +280,7 @@ void read_stage_parameters(Scene& scene, TomlReader& root) {
         if (reader && !scene.has_stage(stage))
             root.fail(stage, fmt::format("is given, but \"{}\" is not among the stages", stage));
         if (!reader && scene.has_stage(stage))
-            root.fail(stage, fmt::format("is missing; allowed: a table [{}] with at least {}", stage, needs));
+            root.fail(stage, fmt::format("is missing; allowed: a table [{}]{}", stage, needs));
         if (!reader) continue;
         read(scene, *reader);
         reader->finish();
@@ -355,6 +369,17 @@ void check_stages(Scene const& scene, TomlReader const& root) {
         !scene.has_stage("modified_verlet"))
         root.fail("stages",
                   "have no friction_stress to sample; allowed: with shardlow, lowe or modified_verlet");
+    if (scene.wall > 0.0) {
+        if (!scene.has_stage("modified_verlet") || count > 0 || scene.has_stage("rescale"))
+            root.fail("stages", "do not know walls; allowed with walls: modified_verlet, body_force, sample");
+        if (scene.sample.stress || scene.sample.pressure || scene.sample.radial_distribution)
+            root.fail("sample",
+                      "asks for stress, pressure or radial_distribution, which mean nothing with walls");
+        if (scene.wall < scene.cutoff())
+            root.fail("walls", fmt::format("are thinner than the cutoff, {0}: a particle would see what is "
+                                           "behind; allowed: thickness at least {0}",
+                                           scene.cutoff()));
+    }
     bool impulses_wait = false, impulses_at_positions = false;
     for (auto const& stage : scene.stages) {
         if (stage == "euler") impulses_wait = true;
@@ -385,6 +410,7 @@ Scene read_scene(toml::table const& table, std::string const& name) {
     if (scene.stages.empty())
         root.fail("stages", fmt::format("is empty; allowed: {}", fmt::join(stage_names, ", ")));
     read_box(scene, required("box"));
+    if (auto reader = root.table("walls")) read_walls(scene, *reader);
     read_particles(scene, required("particles"));
     read_time(scene, required("time"));
     read_stage_parameters(scene, root);
@@ -420,6 +446,8 @@ double Scene::volume() const {
 bool Scene::has_stage(std::string const& name) const {
     return std::find(stages.begin(), stages.end(), name) != stages.end();
 }
+
+double Scene::fluid_volume() const { return volume() * (1.0 - 2.0 * wall / length[1]); }
 
 double Scene::cutoff() const {
     double longest = 0.0;

@@ -57,7 +57,10 @@ struct Scene {
     std::vector<std::string> stages;
     std::vector<double> length;
     double shear_rate = 0.0;
-    std::uint64_t particles = 0;
+    double wall = 0.0;                    ///< thickness of either wall; 0: none
+    std::optional<double> wall_strength;  ///< of the potential between fluid and wall; none: the fluid's
+    std::uint64_t particles = 0;          ///< of the fluid
+    std::uint64_t wall_particles = 0;
     double mass = 1.0;
     double kT = 1.0;  ///< of the initial velocities
     ShardlowParameters shardlow;
@@ -82,8 +85,9 @@ struct Scene {
     /// determines the results.
     std::string text;
 
-    double volume() const;
-    double density() const { return double(particles) / volume(); }
+    double volume() const;        ///< of the box
+    double fluid_volume() const;  ///< without walls
+    double density() const { return double(particles) / fluid_volume(); }
     std::uint64_t steps() const { return equilibration_steps + production_steps; }
     bool has_stage(std::string const& name) const;
     bool has_potential() const { return has_stage("verlet") || has_stage("modified_verlet"); }

@@ -76,6 +76,8 @@ template <int d>
 double kinetic_temperature(Particles<d> const& particles, Box<d> const& box) {
     auto const n = double(particles.size());
     if (n < 2) return 0.0;
+    if (particles.has_walls())  // which take up momentum
+        return particles.mass * particles.velocity.square().sum() / (d * double(particles.mobile));
     double sum = particles.velocity.square().sum();
     if (box.sheared()) {
         auto const flow = box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
@@ -95,21 +97,26 @@ Vec<d> total_momentum(Particles<d> const& particles, Box<d> const& box) {
 
 namespace {
 
-// The lattice has at least as many sites as there are particles; what is left over is spread evenly.
+// Puts `count` particles from row `first` on a lattice that fills the layer from `bottom` to `top`. It has at
+// least as many sites as there are particles; what is left over is spread evenly.
 template <int d>
-void put_on_lattice(Particles<d>& particles, Box<d> const& box) {
-    double const spacing = std::pow(box.volume() / double(particles.size()), 1.0 / d);
+void put_on_lattice(Particles<d>& particles, Box<d> const& box, Eigen::Index first, Eigen::Index count,
+                    double bottom, double top) {
+    Vec<d> length = box.length;
+    length[1] = top - bottom;
+    double const spacing = std::pow(length.prod() / double(count), 1.0 / d);
     std::array<Eigen::Index, d> sides;
     Eigen::Index sites = 1;
     for (int axis = 0; axis < d; ++axis) {
-        sides[std::size_t(axis)] = static_cast<Eigen::Index>(std::ceil(box.length[axis] / spacing - 1e-9));
+        sides[std::size_t(axis)] = static_cast<Eigen::Index>(std::ceil(length[axis] / spacing - 1e-9));
         sites *= sides[std::size_t(axis)];
     }
-    for (Eigen::Index p = 0; p < particles.size(); ++p) {
-        Eigen::Index site = p * sites / particles.size();
+    for (Eigen::Index p = 0; p < count; ++p) {
+        Eigen::Index site = p * sites / count;
         for (int axis = 0; axis < d; ++axis) {
             auto const side = sides[std::size_t(axis)];
-            particles.position(p, axis) = box.length[axis] * (double(site % side) + 0.5) / double(side);
+            particles.position(first + p, axis) =
+                (axis == 1 ? bottom : 0.0) + length[axis] * (double(site % side) + 0.5) / double(side);
             site /= side;
         }
     }
@@ -129,7 +136,23 @@ void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint6
                 filled * box.length[axis] * uniform({seed, 0, stream_positions}, id, component);
             particles.velocity(p, axis) = thermal_speed * normal({seed, 0, stream_velocities}, id, component);
         }
-    if (start == Start::lattice) put_on_lattice(particles, box);
+    if (start == Start::lattice) put_on_lattice(particles, box, 0, particles.size(), 0.0, box.length[1]);
+    if (particles.has_walls()) {
+        auto const fluid = static_cast<Eigen::Index>(particles.mobile), walls = particles.size() - fluid;
+        put_on_lattice(particles, box, fluid, walls, -box.wall, box.wall);
+        double const height = box.length[1] - 2.0 * box.wall;
+        if (start == Start::lattice)
+            put_on_lattice(particles, box, 0, fluid, box.wall, box.length[1] - box.wall);
+        else
+            particles.position.col(1).head(fluid) =
+                box.wall + height / box.length[1] * particles.position.col(1).head(fluid);
+        particles.velocity.bottomRows(walls).setZero();
+        particles.velocity.topRows(fluid).rowwise() -=
+            particles.velocity.topRows(fluid).colwise().mean().eval();
+        box.wrap(particles, 0.0);
+        particles.image.setZero();
+        return;
+    }
     particles.velocity.rowwise() -= particles.velocity.colwise().mean().eval();
     if (box.sheared())
         particles.velocity.col(0) += box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);

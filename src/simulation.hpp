@@ -76,11 +76,12 @@ struct Simulation {
     std::uint64_t seed = 0;
     std::uint64_t step = 0;  ///< steps done
     double time_step = 0.0;
-    double time = 0.0;         ///< of the positions; the drift advances it
-    double hottest = 0.0;      ///< kT beyond which the run counts as diverged
-    Field<d> momentum_change;  ///< Euler impulses waiting for the kick; empty where no stage needs it
-    Field<d> force;            ///< forces that the streaming stage keeps; empty where there are none
-    PairVirials pair_virials;  ///< that belong to `force`
+    double time = 0.0;           ///< of the positions; the drift advances it
+    double wall_strength = 1.0;  ///< conservative force between fluid and wall over that of the fluid
+    double hottest = 0.0;        ///< kT beyond which the run counts as diverged
+    Field<d> momentum_change;    ///< Euler impulses waiting for the kick; empty where no stage needs it
+    Field<d> force;              ///< forces that the streaming stage keeps; empty where there are none
+    PairVirials pair_virials;    ///< that belong to `force`
     StageStress stage_stress;
     std::function<PotentialSums(Simulation&)> potential_sums;  ///< of the scene's potential, if it has one
 

@@ -38,6 +38,7 @@ void stream(Simulation<d>& simulation, double span, double end) {
     auto& particles = simulation.particles;
     particles.position += particles.velocity * span;
     simulation.time = end;
+    if (particles.has_walls()) simulation.box.bounce_back(particles, span);
     simulation.box.wrap(particles, simulation.time);
     simulation.positions_changed();
 }
@@ -242,13 +243,15 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
         force[axis] = simulation.force.col(axis).data();
     }
     PairVirials virials;
+    bool const walls = particles.has_walls();
     with_weight(weight, [&]<Weight w>() {
         for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
             double e[d];
             for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
             auto const i = pairs.i[k], j = pairs.j[k];
             double const r = pairs.distance[k], x = r * per_cutoff;
-            double const conservative = r < potential.cutoff ? potential.force(r) : 0.0;
+            double conservative = r < potential.cutoff ? potential.force(r) : 0.0;
+            if (walls) conservative *= wall_factor(simulation, i, j);
             double friction = 0.0, thermal = 0.0;
             if (x < 1.0) {
                 double const w_d = weight_at<w>(x);
@@ -266,6 +269,7 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
             virials.thermostat += thermal * arm;
         });
     });
+    if (walls) forget_wall_forces(simulation, simulation.force);
     simulation.counters.potential_evaluations += pairs.count;
     simulation.pair_virials = virials;
     simulation.forces_found();
@@ -307,11 +311,9 @@ template <int d>
 void BodyForce<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
     auto& particles = simulation.particles;
     double const kick = acceleration * simulation.time_step, middle = 0.5 * simulation.box.length[1];
-    if (opposed)
-        particles.velocity.col(0) += (particles.position.col(1) < middle)
-                                         .select(kick, Eigen::ArrayXd::Constant(particles.size(), -kick));
-    else
-        particles.velocity.col(0) += kick;
+    for (Eigen::Index p = 0; p < particles.size(); ++p)
+        if (!particles.frozen(p))
+            particles.velocity(p, 0) += opposed && particles.position(p, 1) >= middle ? -kick : kick;
 }
 
 template struct Drift<2>;

@@ -980,6 +980,78 @@ BOOST_DATA_TEST_CASE(interrupted_soft_runs_give_the_same_bits,
     BOOST_TEST(whole.counters.potential_evaluations == pieces.counters.potential_evaluations);
 }
 
+// --- walls -----------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(bounce_back_by_hand) {
+    auto simulation = gas<3>({4.0, 6.0, 4.0}, 3, 0.0, 0.5);
+    auto& p = simulation.particles;
+    simulation.box.wall = 1.0;
+    p.mobile = 2;
+    p.position << 1.0, 0.9, 1.0, 2.0, 5.2, 2.0, 3.0, 0.5, 3.0;  // below, above, frozen
+    p.velocity << 0.3, -0.5, 0.2, 0.1, 0.8, 0.0, 0.0, 0.0, 0.0;
+    simulation.box.bounce_back(p, 0.5);
+    Field<3> position(3, 3), velocity(3, 3);
+    position << 0.88, 1.1, 0.92, 1.95, 4.8, 2.0, 3.0, 0.5, 3.0;
+    velocity << -0.3, 0.5, -0.2, -0.1, -0.8, 0.0, 0.0, 0.0, 0.0;
+    BOOST_TEST((p.position - position).abs().maxCoeff() < 1e-15);
+    BOOST_TEST((p.velocity - velocity).abs().maxCoeff() == 0.0);
+    p.position(0, 1) = -0.1;
+    p.velocity(0, 1) = -3.0;
+    BOOST_CHECK_THROW(simulation.box.bounce_back(p, 0.5), Diverged);
+}
+
+// A hard, strongly driven fluid: nothing leaves, and the walls stay as they are.
+BOOST_AUTO_TEST_CASE(walls_hold_the_fluid) {
+    auto const parsed =
+        scene("'body_force', 'modified_verlet', 'sample'",
+              {"box.length=[4, 7, 4]", "walls.thickness=1", "time.step=0.02", "body_force.acceleration=0.5",
+               "modified_verlet.soft.strength=100", "sample.profile.bins=28"});
+    auto simulation = build<3>(parsed, {});
+    auto const& p = simulation.particles;
+    auto const walls = p.size() - Eigen::Index(p.mobile);
+    BOOST_TEST(p.mobile == 240u);
+    BOOST_TEST(walls == 96);
+    Field<3> const at_first = by_id(simulation, p.position).bottomRows(walls);
+    for (int step = 0; step < 2000; ++step) {
+        simulation.advance();
+        auto const y = by_id(simulation, p.position).col(1).head(p.mobile).eval();
+        if (!((y >= 1.0).all() && (y <= 6.0).all())) BOOST_FAIL("a particle is in the wall at step " << step);
+    }
+    BOOST_TEST((by_id(simulation, p.position).bottomRows(walls) == at_first).all());
+    BOOST_TEST((by_id(simulation, p.velocity).bottomRows(walls) == 0.0).all());
+    BOOST_TEST(by_id(simulation, p.velocity).topRows(p.mobile).col(0).mean() > 0.1);  // it flows
+}
+
+// The force of a wall on a particle, as a sum over its lattice; the fluid-wall coefficient scales it.
+BOOST_AUTO_TEST_CASE(wall_strength_scales_the_force_of_the_wall) {
+    std::vector<double> forces_found;
+    for (std::string const strength : {"25.0", "50.0"}) {
+        auto simulation =
+            build<3>(scene("'modified_verlet'", {"box.length=[4, 7, 4]", "walls.thickness=1",
+                                                 "walls.strength=" + strength, "particles.density=1"}),
+                     {});
+        auto& p = simulation.particles;
+        p.position.topRows(p.mobile).col(1) = 3.5;  // out of the wall's reach, but for one
+        p.position.row(0) << 2.1, 1.3, 1.7;
+        simulation.positions_changed();
+        auto const& field = forces(simulation, soft);
+        BOOST_TEST((by_id(simulation, field).bottomRows(p.size() - Eigen::Index(p.mobile)) == 0.0).all());
+        forces_found.push_back(by_id(simulation, field)(0, 1));
+    }
+    BOOST_TEST(forces_found[0] > 1.0);
+    BOOST_TEST(forces_found[1] == 2.0 * forces_found[0], tolerance(1e-14));
+}
+
+BOOST_AUTO_TEST_CASE(what_cannot_be_between_walls_is_refused) {
+    for (std::vector<std::string> const& wrong :
+         {std::vector<std::string>{"walls.thickness=0.9"},
+          {"walls.thickness=2.5"},
+          {"walls.thickness=1", "box.shear_rate=0.1"},
+          {"walls.thickness=1", "sample.observables=['stress']", "time.equilibration=1"}})
+        BOOST_CHECK_THROW(scene("'modified_verlet', 'sample'", wrong), InputError);
+    BOOST_CHECK_THROW(scene("'shardlow', 'drift'", {"walls.thickness=1"}), InputError);
+}
+
 BOOST_AUTO_TEST_CASE(a_trajectory_without_an_output_is_refused) {
     BOOST_CHECK_EXCEPTION(
         run(scene("'verlet'", {"trajectory.interval=5"})), InputError,
