@@ -44,10 +44,12 @@ Stage<d> make_stage(Scene const& scene, std::string const& name,
         rescale.amplitude = p.amplitude;
         return {name, rescale};
     }
+    // [body force]
     if (name == "body_force") {
         auto const& p = scene.body_force;
         return {name, BodyForce<d>{.acceleration = p.acceleration, .opposed = p.opposed}};
     }
+    // [body force]
     if (name == "verlet")
         return std::visit(
             [&](auto const& potential) -> Stage<d> {

@@ -88,9 +88,11 @@ void override_key(toml::table& table, std::string const& assignment, std::string
 
 namespace {
 
+// [stage names]
 constexpr std::array<std::string_view, 11> stage_names{
     "modified_verlet", "shardlow", "lowe",       "euler",   "kick",  "drift",
     "verlet",          "rescale",  "body_force", "scatter", "sample"};
+// [stage names]
 constexpr std::array<std::string_view, 7> observable_names{
     "friction_stress", "kinetic_temperature",        "momentum", "stress", "potential_energy",
     "pressure",        "configurational_temperature"};
@@ -253,11 +255,14 @@ void read_rescale(Scene& scene, TomlReader& reader) {
     }
 }
 
+// [body force]
 void read_body_force(Scene& scene, TomlReader& reader) {
     scene.body_force.acceleration = reader.number("acceleration", std::nullopt, any_number);
     scene.body_force.opposed = reader.boolean("opposed", false);
 }
+// [body force]
 
+// [stage tables]
 struct StageTable {
     char const* stage;
     char const* needs;
@@ -273,6 +278,7 @@ constexpr std::array<StageTable, 7> stage_tables{
      {"verlet", " with at least a potential", read_verlet},
      {"rescale", "", read_rescale},
      {"body_force", " with at least acceleration", read_body_force}}};
+// [stage tables]
 
 void read_stage_parameters(Scene& scene, TomlReader& root) {
     for (auto const& [stage, needs, read] : stage_tables) {

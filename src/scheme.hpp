@@ -47,7 +47,7 @@ inline double update_a(double a) {
     if constexpr (scheme == Scheme::linear) return a;
 }
 
-/// Calls f.operator()<scheme>(), so that an inner loop is compiled once per scheme.
+/// Calls `f.operator()<scheme>()`, so that an inner loop is compiled once per scheme.
 template <class F>
 decltype(auto) with_scheme(Scheme scheme, F&& f) {
     switch (scheme) {

@@ -75,6 +75,7 @@ void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, double cutoff, 
         double e[d];
         for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
         auto const i = pairs.i[k], j = pairs.j[k];
+        // [pair update]
         double const friction = -a * approach<d>(velocity, i, j, e, image_speed);
         double const change = friction + update_b(a, 1.0) * noise * impulse[k];
         if (stress_wanted) moved += friction * e[0] * e[1] * pairs.distance[k];
@@ -83,6 +84,7 @@ void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, double cutoff, 
             velocity[axis][j] -= change * e[axis];
         }
         impulse[k] = change;
+        // [pair update]
     });
     simulation.stage_stress.friction -=
         particles.mass * moved / (simulation.box.volume() * simulation.time_step);
@@ -307,6 +309,7 @@ void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKe
     stress.streamed = true;
 }
 
+// [body force]
 template <int d>
 void BodyForce<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
     auto& particles = simulation.particles;
@@ -315,6 +318,7 @@ void BodyForce<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
         if (!particles.frozen(p))
             particles.velocity(p, 0) += opposed && particles.position(p, 1) >= middle ? -kick : kick;
 }
+// [body force]
 
 template struct Drift<2>;
 template struct Drift<3>;
@@ -336,7 +340,9 @@ template struct ModifiedVerlet<2, Soft>;
 template struct ModifiedVerlet<3, Soft>;
 template struct ModifiedVerlet<2, LennardJones>;
 template struct ModifiedVerlet<3, LennardJones>;
+// [body force instances]
 template struct BodyForce<2>;
 template struct BodyForce<3>;
+// [body force instances]
 
 }  // namespace dpd

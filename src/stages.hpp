@@ -93,6 +93,7 @@ private:
     void find_forces(Simulation<d>& simulation, NoiseKey key) const;
 };
 
+// [body force]
 /// Accelerates along x: by `acceleration` everywhere, or by its opposite in the upper half of the box, which
 /// makes two opposite Poiseuille flows without walls.
 template <int d>
@@ -101,5 +102,6 @@ struct BodyForce {
     bool opposed = false;
     void operator()(Simulation<d>& simulation, NoiseKey) const;
 };
+// [body force]
 
 }  // namespace dpd

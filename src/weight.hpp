@@ -55,7 +55,7 @@ inline double weight_at(double x) {
     if constexpr (weight == Weight::root) return std::sqrt(1.0 - x);
 }
 
-/// Calls f.operator()<weight>(), so that an inner loop is compiled once per weight.
+/// Calls `f.operator()<weight>()`, so that an inner loop is compiled once per weight.
 template <class F>
 decltype(auto) with_weight(Weight weight, F&& f) {
     switch (weight) {

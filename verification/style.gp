@@ -6,6 +6,7 @@
 blue = "#0072B2"; red = "#D55E00"; green = "#009E73"; purple = "#CC79A7"; sky = "#56B4E9"; yellow = "#E69F00"
 grey = "#777777"; black = "#000000"
 
+set encoding utf8
 set border lw 1.2
 set tics scale 0.8
 set mxtics; set mytics

@@ -18,7 +18,7 @@ plot for [n=1:4] lines index part(n, "", q) using 1:(1/$2) with lines lw 2 lc rg
      data index "n=0.2 old momentum edge:".q using 1:(1/$2) with points pt 2 ps 1 lw 1.5 lc rgb black notitle, \
      NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn"
 @lower
-set xlabel "time step {/Symbol D}t" offset 0,0.4
+set xlabel "time step Δt" offset 0,0.4
 set yrange [-25:10]
 unset key
 plot 0 with lines lw 2 lc rgb grey, \

@@ -11,7 +11,7 @@ plot 0.5 with lines dt 2 lw 1.5 lc rgb grey title "1/2", 1.7 with lines dt 3 lw 
      data index ideal using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb blue title "ideal gas", \
      data index "all:soft:schmidt_number" using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb red title "soft potential, a = 25"
 @lower
-set xlabel "friction {/Symbol g}*" offset 0,0.4
+set xlabel "friction γ*" offset 0,0.4
 set yrange [-60:30]
 unset key
 plot 0 with lines lw 2 lc rgb grey, data index ideal using 1:(100*$5):(100*$6) with yerrorbars pt 7 lw 1.5 lc rgb blue

@@ -17,7 +17,7 @@ set ylabel "C(t*)" offset 0.5,0
 set key top right maxrows 4
 plot for [n=1:3] data index e(n) using 1:2 with lines dt 2 lw 1.5 lc rgb colour[n] notitle, \
      for [n=1:3] data index c(n) using 1:($1 <= 2 ? $2 : NaN) with points pt 7 ps 0.4 lc rgb colour[n] title "a = ".word(names, n)[3:], \
-     data index tail."velocity_autocorrelation" using 1:2:3 every 2 with yerrorbars pt 6 ps 0.6 lc rgb purple title "ideal, {/Symbol g}* = 9", \
+     data index tail."velocity_autocorrelation" using 1:2:3 every 2 with yerrorbars pt 6 ps 0.6 lc rgb purple title "ideal, γ* = 9", \
      data index tail."hydrodynamic_tail" using 1:2 with lines lw 2 lc rgb black title "shear modes", \
      data index tail."exponential_decay" using 1:2 with lines dt 3 lw 2 lc rgb purple notitle
 unset xlabel

@@ -12,7 +12,7 @@ plot lines index msd using 1:2 with lines lw 2 lc rgb blue title "eq. 17", \
      data index "chaos".q using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red title "positions redrawn", \
      data index "chaos, long step".q using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red notitle
 @lower
-set xlabel "time step {/Symbol D}t*" offset 0,0.4
+set xlabel "time step Δt*" offset 0,0.4
 set yrange [-10:100]; set ytics auto
 unset key
 plot 0 with lines lw 2 lc rgb grey, \

@@ -8,19 +8,19 @@ part(n, kind, q) = word(names, n).kind.q
 @upper
 set logscale xy
 set xrange [0.008:1.3]; set yrange [0.06:20]
-set ylabel "viscosity {/Symbol h}*" offset 0.5,0
+set ylabel "viscosity η*" offset 0.5,0
 set key top left maxrows 3
 plot for [n=1:2] lines index part(n, "", kin) using 1:2 with lines lw 2 lc rgb colour_kin[n] notitle, \
      for [n=1:2] lines index part(n, "", col) using 1:2 with lines lw 2 lc rgb colour_col[n] notitle, \
-     for [n=1:2] data index part(n, "", kin) using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb colour_kin[n] title "kinetic, {/Symbol g}* = ".word(names, n)[7:], \
-     for [n=1:2] data index part(n, "", col) using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb colour_col[n] title "collision, {/Symbol g}* = ".word(names, n)[7:], \
+     for [n=1:2] data index part(n, "", kin) using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb colour_kin[n] title "kinetic, γ* = ".word(names, n)[7:], \
+     for [n=1:2] data index part(n, "", col) using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb colour_col[n] title "collision, γ* = ".word(names, n)[7:], \
      for [n=1:2] data index part(n, " chaos", kin) using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb colour_kin[n] notitle, \
      for [n=1:2] data index part(n, " chaos", col) using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb colour_col[n] notitle, \
      for [n=1:2] data index part(n, " chaos, long step", kin) using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb colour_kin[n] notitle, \
      for [n=1:2] data index part(n, " chaos, long step", col) using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb colour_col[n] notitle, \
      NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn"
 @lower
-set xlabel "time step {/Symbol D}t*" offset 0,0.4
+set xlabel "time step Δt*" offset 0,0.4
 set yrange [-40:130]
 unset key
 plot 0 with lines lw 2 lc rgb grey, \

@@ -8,12 +8,12 @@ part(n, q) = word(names, n).q
 @upper
 set logscale xy
 set xrange [0.9:11]; set yrange [0.0012:12]
-set ylabel "viscosity {/Symbol h}*" offset 0.5,0
+set ylabel "viscosity η*" offset 0.5,0
 set key bottom right maxrows 2
 plot for [n=1:2] lines index part(n, kin) using 1:2 with lines lw 2 lc rgb colour_kin[n] notitle, \
      for [n=1:2] lines index part(n, col) using 1:2 with lines lw 2 lc rgb colour_col[n] notitle, \
-     for [n=1:2] data index part(n, kin) using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb colour_kin[n] title "kinetic, {/Symbol g}* = ".word(names, n)[7:], \
-     for [n=1:2] data index part(n, col) using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb colour_col[n] title "collision, {/Symbol g}* = ".word(names, n)[7:]
+     for [n=1:2] data index part(n, kin) using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb colour_kin[n] title "kinetic, γ* = ".word(names, n)[7:], \
+     for [n=1:2] data index part(n, col) using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb colour_col[n] title "collision, γ* = ".word(names, n)[7:]
 @lower
 set xlabel "density n*" offset 0,0.4
 set yrange [-20:20]

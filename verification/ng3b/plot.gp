@@ -5,7 +5,7 @@ col = ":collision_viscosity:quantity:collision_viscosity_by_g"
 @upper
 set logscale y
 set xrange [0:105]; set yrange [0.008:30]
-set ylabel "viscosity {/Symbol h}*" offset 0.5,0
+set ylabel "viscosity η*" offset 0.5,0
 set key top left maxrows 3
 plot data index "n=3".kin using 1:4 with lines lw 2 lc rgb blue notitle, \
      data index "n=3".col using 1:4 with lines lw 2 lc rgb red notitle, \

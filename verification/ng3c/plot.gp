@@ -5,7 +5,7 @@ col = ":collision_viscosity:quantity:collision_viscosity_by_g"
 @upper
 set logscale y
 set xrange [0.5:10.5]; set yrange [0.01:90]
-set ylabel "viscosity {/Symbol h}*" offset 0.5,0
+set ylabel "viscosity η*" offset 0.5,0
 set key top left maxrows 3
 plot data index "a=25".kin using 1:4 with lines lw 2 lc rgb blue notitle, \
      data index "a=25".col using 1:4 with lines lw 2 lc rgb red notitle, \

@@ -218,7 +218,7 @@ BOOST_AUTO_TEST_CASE(of_the_keys_that_change_a_scene_the_last_one_counts) {
 }
 
 BOOST_AUTO_TEST_CASE(every_theory_is_known) {
-    for (char const* theory : {"ng17", "previous", "curve:x", "quantity:x", "value"})
+    for (char const* theory : {"ng17", "previous", "curve:gas", "quantity:x", "value"})
         BOOST_TEST(complaint(with(25, fmt::format("theory = '{}'", theory))) == "");
     for (char const* relation : {"equal", "at_most", "at_least", "differs"})
         BOOST_TEST(complaint(with(26, fmt::format("relation = '{}'", relation))) == "");
@@ -236,6 +236,7 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
          "theory = 'ng99'",
          ":25: curve.compare.theory: ",
          {"no closed form", "allowed", "curve:NAME", "quantity:NAME", "previous", "value"}},
+        {25, "theory = 'curve:none'", ": curve gas: theory: ", {"there is no curve none"}},
         {25, "theory = 'previously'", ":25: curve.compare.theory: ", {"allowed"}},
         {25, "", ":23: curve.compare.theory: ", {"is missing", "allowed"}},
         {26, "relation = 'other'", ":26: curve.compare.relation: ", {"other", "allowed", "differs"}},

@@ -264,7 +264,8 @@ BOOST_AUTO_TEST_CASE(stages_that_leave_pairs_to_the_next_step_resume_exactly) {
                 "]\n[box]\nlength = [5, 5]\n[particles]\nnumber = 50\n[shardlow]\nfriction = 3\n" +
                 (euler ? "[euler]\ngamma = 1\nsigma = 1\n" : "") +
                 "[time]\nstep = 0.1\nduration = 4\n[pairs]\norder = 'random'\n"
-                "[sample]\nobservables = ['kinetic_temperature'" + (euler ? "" : ", 'stress'") + "]\n",
+                "[sample]\nobservables = ['kinetic_temperature'" +
+                (euler ? "" : ", 'stress'") + "]\n",
             "run_test");
         RunResult const whole = run(scene);
         RunResult pieces;

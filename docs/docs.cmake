@@ -1,0 +1,65 @@
+# The book: cmake --build build/release --target docs, then open build/release/docs/html/index.html.
+# Debian packages: doxygen doxygen-awesome-css libjs-mathjax. Without them there is no target and nothing else changes.
+find_package(Doxygen 1.9.4 QUIET)
+find_package(Python3 3.11 QUIET COMPONENTS Interpreter)
+find_path(DPDREF_DOXYGEN_THEME doxygen-awesome.css
+          PATHS /usr/share /usr/local/share PATH_SUFFIXES doxygen-awesome-css)
+find_path(DPDREF_MATHJAX jax/output/SVG/jax.js
+          PATHS /usr/share /usr/local/share PATH_SUFFIXES javascript/mathjax)
+mark_as_advanced(DPDREF_DOXYGEN_THEME DPDREF_MATHJAX)
+if(NOT DOXYGEN_FOUND OR NOT Python3_FOUND OR NOT DPDREF_DOXYGEN_THEME OR NOT DPDREF_MATHJAX)
+    message(STATUS "No target docs: it needs doxygen, doxygen-awesome-css and libjs-mathjax")
+    return()
+endif()
+
+set(DPDREF_BOOK ${PROJECT_BINARY_DIR}/docs)
+file(MAKE_DIRECTORY ${DPDREF_BOOK})
+
+# The page's head: Doxygen's own, with the theme's switch for dark mode and the width of a phone.
+execute_process(COMMAND ${DOXYGEN_EXECUTABLE} -w html header.html footer.html style.css
+                WORKING_DIRECTORY ${DPDREF_BOOK} OUTPUT_QUIET ERROR_QUIET)
+file(READ ${DPDREF_BOOK}/header.html DPDREF_HEADER)
+if(NOT DPDREF_HEADER MATCHES "name=\"viewport\"")
+    string(REPLACE "<head>" "<head>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>"
+           DPDREF_HEADER "${DPDREF_HEADER}")
+endif()
+string(REPLACE "</head>" [[
+<script type="text/javascript" src="$relpath^doxygen-awesome-darkmode-toggle.js"></script>
+<script type="text/javascript" src="$relpath^doxygen-awesome-fragment-copy-button.js"></script>
+<script type="text/javascript" src="$relpath^doxygen-awesome-paragraph-link.js"></script>
+<script type="text/javascript">
+DoxygenAwesomeDarkModeToggle.init()
+DoxygenAwesomeFragmentCopyButton.init()
+DoxygenAwesomeParagraphLink.init()
+</script>
+</head>]] DPDREF_HEADER "${DPDREF_HEADER}")
+file(WRITE ${DPDREF_BOOK}/header.html "${DPDREF_HEADER}")
+
+# From 1.9.5 on Doxygen has a dark mode of its own, which would fight with the theme's.
+set(DPDREF_DOXYGEN_EXTRA "")
+if(DOXYGEN_VERSION VERSION_GREATER_EQUAL 1.9.5)
+    set(DPDREF_DOXYGEN_EXTRA "HTML_COLORSTYLE = LIGHT")
+endif()
+configure_file(docs/Doxyfile.in ${DPDREF_BOOK}/Doxyfile @ONLY)
+
+# What MathJax needs to set TeX as SVG, which has no fonts to load and so works from the file system in any browser.
+set(DPDREF_COPY_MATHJAX "")
+foreach(part extensions jax/element jax/input/TeX jax/output/SVG/autoload jax/output/SVG/fonts/TeX)
+    list(APPEND DPDREF_COPY_MATHJAX
+         COMMAND ${CMAKE_COMMAND} -E copy_directory ${DPDREF_MATHJAX}/${part} ${DPDREF_BOOK}/html/mathjax/${part})
+endforeach()
+foreach(part MathJax.js jax/output/SVG/jax.js jax/output/SVG/config.js)
+    list(APPEND DPDREF_COPY_MATHJAX
+         COMMAND ${CMAKE_COMMAND} -E copy ${DPDREF_MATHJAX}/${part} ${DPDREF_BOOK}/html/mathjax/${part})
+endforeach()
+
+add_custom_target(docs
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${DPDREF_BOOK}/html
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/equations.py --write ${DPDREF_BOOK}
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/docs/gallery.py ${DPDREF_BOOK}/gallery.md
+    COMMAND ${DOXYGEN_EXECUTABLE} ${DPDREF_BOOK}/Doxyfile
+    ${DPDREF_COPY_MATHJAX}
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/links.py ${DPDREF_BOOK}/html
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+    COMMENT "The book: ${DPDREF_BOOK}/html/index.html"
+    VERBATIM)
