@@ -89,13 +89,13 @@ void override_key(toml::table& table, std::string const& assignment, std::string
 namespace {
 
 // [stage names]
-constexpr std::array<std::string_view, 11> stage_names{
-    "modified_verlet", "shardlow", "lowe",       "euler",   "kick",  "drift",
-    "verlet",          "rescale",  "body_force", "scatter", "sample"};
+constexpr std::array<std::string_view, 11> stage_names{"shardlow",   "lowe",    "euler",           "kick",
+                                                       "drift",      "verlet",  "modified_verlet", "rescale",
+                                                       "body_force", "scatter", "sample"};
 // [stage names]
 constexpr std::array<std::string_view, 7> observable_names{
-    "friction_stress", "kinetic_temperature",        "momentum", "stress", "potential_energy",
-    "pressure",        "configurational_temperature"};
+    "kinetic_temperature",        "momentum", "stress", "friction_stress", "potential_energy", "pressure",
+    "configurational_temperature"};
 
 constexpr Allowed bin_count{[](double x) { return x >= 1.0 && x <= 1e6; }, "an integer, 1 to 10^6"};
 

@@ -25,7 +25,7 @@ unset xlabel
 set tmargin at screen 0.455
 set xlabel "potential strength a; density n* (times 10)" offset 0,0.4
 set ylabel "moment" offset 0.5,0
-set xrange [0:105]; set yrange [0.9:3]; set xtics auto
+set xrange [0:105]; set yrange [0.8:2.6]; set xtics auto
 set key top left
 plot 1 with lines lw 2 lc rgb grey notitle, \
      data index "all:strength:correlation_moment" using 1:2:3 with yerrorlines pt 7 lw 1.5 lc rgb red title "against a, n* = 3", \
