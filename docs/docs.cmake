@@ -40,6 +40,7 @@ set(DPDREF_DOXYGEN_EXTRA "")
 if(DOXYGEN_VERSION VERSION_GREATER_EQUAL 1.9.5)
     set(DPDREF_DOXYGEN_EXTRA "HTML_COLORSTYLE = LIGHT")
 endif()
+string(APPEND DPDREF_DOXYGEN_EXTRA "\nINPUT += \"${DPDREF_BOOK}/claims.md\"")
 configure_file(docs/Doxyfile.in ${DPDREF_BOOK}/Doxyfile @ONLY)
 
 # What MathJax needs to set TeX as SVG, which has no fonts to load and so works from the file system in any browser.
@@ -57,6 +58,7 @@ add_custom_target(docs
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${DPDREF_BOOK}/html
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/equations.py --write ${DPDREF_BOOK}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/docs/gallery.py ${DPDREF_BOOK}/gallery.md
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/claims.py --out ${DPDREF_BOOK}/claims.md
     COMMAND ${DOXYGEN_EXECUTABLE} ${DPDREF_BOOK}/Doxyfile
     ${DPDREF_COPY_MATHJAX}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/links.py ${DPDREF_BOOK}/html

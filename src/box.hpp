@@ -26,6 +26,7 @@ struct Box {
     double offset(double time) const { return std::fmod(image_speed() * time, length[0]); }
     double flow_velocity(double y) const { return shear_rate * (y - 0.5 * length[1]); }
 
+    // [bounce back]
     /// Sends back what has entered a wall in the last `span` of time: along its own path, with its velocity
     /// reversed (bounce-back, no slip). Throws Diverged for what is deeper inside than the wall is thick.
     void bounce_back(Particles<d>& particles, double span) const {
@@ -40,6 +41,7 @@ struct Box {
             particles.velocity.row(p) = -particles.velocity.row(p);
         }
     }
+    // [bounce back]
 
     /// Returns every particle to the primary box at `time`; a particle that leaves through a y boundary in
     /// shear changes to its image's x and velocity. Throws Diverged for a position that is not a number or

@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "progress.hpp"
+#include "theory/closed_forms.hpp"
 #include "theory/registry.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
@@ -49,6 +50,25 @@ std::map<std::string, std::string> theory_arguments(Scene const& scene) {
         arguments["rc"] = text(scene.lowe.cutoff);
         arguments["kT"] = text(scene.lowe.kT);
     }
+    if (scene.has_stage("modified_verlet")) {
+        arguments["gamma"] = text(scene.modified_verlet.gamma);
+        arguments["sigma"] = text(scene.modified_verlet.sigma);
+        arguments["rc"] = text(scene.modified_verlet.cutoff);
+        arguments["kT"] = text(scene.thermostat_kT());
+        arguments["weight"] = name_of(scene.modified_verlet.weight);
+    }
+    if (auto const* const soft = std::get_if<Soft>(&scene.potential); soft && scene.has_potential())
+        arguments["a"] = text(soft->strength / soft->cutoff);
+    if (auto const& map = scene.coarse_graining) {
+        arguments["Nm"] = text(map->atoms_per_particle);
+        if (map->viscosity > 0.0) {
+            arguments["eta"] = text(map->viscosity);
+            arguments["force_md"] = text(map->force);
+            arguments["L_md"] =
+                text(scene.channel_width() * theory::cutoff_radius({.Nm = map->atoms_per_particle}));
+        }
+    }
+    if (scene.has_stage("rescale")) arguments["kT"] = text(scene.rescale.kT);
     if (scene.has_stage("euler")) {
         // what eq. 22 calls n is, for N particles, (N-1)(N-2)/V^2 over (N-1)/V: theory/MY1997.md
         arguments["n"] = text((double(scene.particles) - 2.0) / scene.volume());
@@ -72,6 +92,8 @@ Relation relation_from_name(std::string_view name) {
 
 std::string_view name_of(Relation relation) { return relation_names[static_cast<std::size_t>(relation)]; }
 
+constexpr std::string_view exponent_prefix = "exponent:";
+
 std::vector<Criterion> read_criteria(TomlReader& reader) {
     std::vector<Criterion> criteria;
     for (auto& table : reader.tables("compare")) {
@@ -79,7 +101,7 @@ std::vector<Criterion> read_criteria(TomlReader& reader) {
         criterion.quantity = table.text("quantity", std::nullopt);
         criterion.theory = table.text("theory", std::nullopt);
         criterion.value = table.number("value", 0.0, any_number);
-        criterion.relation = relation_from_name(table.text("relation", "equal", relation_names));
+        criterion.relation = table.choice<Relation>("relation", "equal", relation_names);
         criterion.tolerance = table.number("tolerance", 0.0, non_negative);
         criterion.resolution = table.number("resolution", 0.01, positive);
         table.finish();
@@ -90,6 +112,8 @@ std::vector<Criterion> read_criteria(TomlReader& reader) {
             table.fail("theory",
                        "is no closed form; allowed: an id of `dpdref theory`, curve:NAME, quantity:NAME, "
                        "previous, value");
+        if (criterion.quantity.starts_with(exponent_prefix) && criterion.theory != "value")
+            table.fail("theory", "is for a slope from the point before; allowed: value");
         criteria.push_back(criterion);
     }
     return criteria;
@@ -131,6 +155,7 @@ void check_references(Figure const& figure, std::string const& file) {
     };
     for (auto const& curve : figure.curves) {
         if (!curve.join.empty()) check(curve.name, "join", curve.join);
+        for (auto const& other : curve.slope_between) check(curve.name, "slope_between", other);
         for (auto const& criterion : curve.criteria)
             if (criterion.theory.starts_with("curve:"))
                 check(curve.name, "theory", criterion.theory.substr(6));
@@ -139,12 +164,10 @@ void check_references(Figure const& figure, std::string const& file) {
 
 }  // namespace
 
-double theory_for(Scene const& scene, std::string const& id, std::optional<double> time) {
+double theory_for(Scene const& scene, std::string const& id) {
     theory::ClosedForm const& form = *theory::find(id);
     std::vector<std::pair<std::string, std::string>> given;
-    auto arguments = theory_arguments(scene);
-    if (time) arguments["t"] = fmt::format("{}", *time);
-    for (auto const& [name, text] : arguments) {
+    for (auto const& [name, text] : theory_arguments(scene)) {
         auto const takes = [&](auto const& names) {
             return std::find(names.begin(), names.end(), name) != names.end();
         };
@@ -183,7 +206,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
     if (!base) root.fail("scene", "is missing; allowed: a table [scene]");
 
     std::uint64_t seeds = 0;
-    double duration_scale = 1.0;
+    double duration_scale = 1.0, equilibration_scale = 1.0;
     toml::table budget_settings;
     auto budget_tables = root.table("budget");
     if (!budget_tables) root.fail("budget", "is missing; allowed: tables [budget.quick] and [budget.paper]");
@@ -192,11 +215,13 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         if (!table) budget_tables->fail(std::string(name), "is missing; allowed: a table");
         std::uint64_t const count = table->integer("seeds", std::nullopt, positive_integer);
         double const scale = table->number("duration_scale", 1.0, positive);
+        double const start_scale = table->number("equilibration_scale", 1.0, positive);
         auto settings = table->table("set");
         table->finish();
         if (name != budget) continue;
         seeds = count;
         duration_scale = scale;
+        equilibration_scale = start_scale;
         if (settings) budget_settings = settings->raw();
     }
     budget_tables->finish();
@@ -207,6 +232,9 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         curve.label = table.text("label", curve.name);
         curve.record = table.text("record", "");
         curve.join = table.text("join", "");
+        curve.slope_between = table.texts("slope_between", std::vector<std::string>{});
+        if (curve.slope_between.size() != 0 && curve.slope_between.size() != 2)
+            table.fail("slope_between", "allowed: names of two curves, at a lower and at a higher density");
         bool const varies = curve.record.empty();
         curve.parameter = table.text("vary", varies ? std::nullopt : std::optional<std::string>(""));
         std::optional<std::vector<double>> const single = std::vector<double>{0.0};
@@ -214,6 +242,8 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         if (!varies) {
             if (!curve.parameter.empty())
                 table.fail("vary", "a record has its own x; allowed: only one of them");
+            if (values.size() != 1 || table.has("values"))
+                table.fail("values", "a record has its own x; allowed: no values");
             curve.from = table.number("from", curve.from, any_number);
             curve.to = table.number("to", curve.to, any_number);
             curve.every = table.integer("every", 1, positive_integer);
@@ -232,20 +262,22 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
             if (settings) apply(scene, settings->raw(), std::nullopt, path.string());
             if (along) apply(scene, along->raw(), v, path.string());
             if (varies) override_key(scene, fmt::format("{}={}", curve.parameter, values[v]), path.string());
-            if (auto* const duration = scene.at_path("time.duration").node())
-                if (auto const time = duration->value<double>())
-                    override_key(scene, fmt::format("time.duration={}", *time * duration_scale),
-                                 path.string());
+            auto const rescale = [&](std::string const& key, double factor) {
+                if (auto* const node = scene.at_path(key).node())
+                    if (auto const time = node->value<double>())
+                        override_key(scene, fmt::format("{}={}", key, *time * factor), path.string());
+            };
+            rescale("time.duration", duration_scale);
+            if (equilibration_scale != 1.0) rescale("time.equilibration", equilibration_scale);
             std::ostringstream text;
             text << scene;
             Point point;
             point.curve = figure.curves.size();
             point.x = values[v];
-            for (std::uint64_t seed = 1; seed <= seeds; ++seed)
-                point.runs.push_back(parse_scene(
-                    text.str(),
-                    fmt::format("{} ({}, {} = {})", path.string(), curve.name, curve.parameter, values[v]),
-                    {}, seed));
+            Scene const first = parse_scene(text.str(), fmt::format("{} ({}, {} = {})", path.string(),
+                                                                    curve.name, curve.parameter, values[v]));
+            point.runs.assign(seeds, first);
+            for (std::uint64_t run = 1; run < seeds; ++run) point.runs[run].seed += run;
             figure.points.push_back(std::move(point));
         }
         figure.curves.push_back(std::move(curve));
@@ -272,6 +304,7 @@ void append_bins(std::vector<Point>& points, FigureCurve const& curve, Point con
         point.x = x[bin];
         point.quantities.push_back({curve.record, y[bin]});
         point.seconds = run.seconds / double(bins.size());
+        if (bin != bins.front()) point.configuration.resize(0, 0);
         points.push_back(std::move(point));
     }
 }
@@ -293,6 +326,21 @@ void join(std::string const& name, std::vector<FigureCurve> const& curves, std::
         for (auto const& quantity : partner->quantities)
             if (!find_quantity(point.quantities, quantity.name)) point.quantities.push_back(quantity);
         point.seconds += partner->seconds;
+    }
+    if (auto const& others = curves[point.curve].slope_between; !others.empty()) {
+        auto const below = points_of(others[0], curves, points, point.x),
+                   above = points_of(others[1], curves, points, point.x);
+        auto const pressure = [](Point const& at) {
+            Quantity const* const found = find_quantity(at.quantities, "pressure");
+            return found ? found->estimate : Estimate{};
+        };
+        if (!below.empty() && !above.empty()) {
+            derive_from_densities(
+                point.runs.front(),
+                above.front()->runs.front().density() - below.front()->runs.front().density(),
+                pressure(*below.front()), pressure(*above.front()), point.quantities);
+            point.seconds += below.front()->seconds + above.front()->seconds;
+        }
     }
     derive(point.runs.front(), point.quantities);
     if (curves[point.curve].record == "velocity_autocorrelation")
@@ -370,6 +418,7 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
                 if (counted.insert(scene.key()).second) figure.seconds += result.seconds;
             }
             point.quantities = analyze(point.runs.front(), records);
+            point.configuration = records.front().configuration;
             auto const& curve = figure.curves[point.curve];
             if (curve.record.empty())
                 points.push_back(point);
@@ -381,6 +430,28 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     }
 }
 
+namespace {
+
+// A quantity of point p. An exponent is the slope in logarithms from the point before.
+std::optional<Estimate> estimate_at(Figure const& figure, std::size_t p, std::string_view name) {
+    auto const& point = figure.points[p];
+    bool const exponent = name.starts_with(exponent_prefix);
+    if (exponent) name.remove_prefix(exponent_prefix.size());
+    Quantity const* const quantity = find_quantity(point.quantities, name);
+    if (!quantity) return {};
+    if (!exponent) return quantity->estimate;
+    auto const before = estimate_at(figure, p - 1, name);
+    if (!before) return {};
+    Estimate const& here = quantity->estimate;
+    double const span = std::log(point.x / figure.points[p - 1].x);
+    return Estimate{
+        .value = std::log(here.value / before->value) / span,
+        .error = std::hypot(here.error / here.value, before->error / before->value) / std::abs(span),
+        .blocks = std::min(here.blocks, before->blocks)};
+}
+
+}  // namespace
+
 std::vector<Comparison> compare(Figure const& figure) {
     std::vector<Comparison> comparisons;
     for (std::size_t p = 0; p < figure.points.size(); ++p) {
@@ -388,20 +459,20 @@ std::vector<Comparison> compare(Figure const& figure) {
         auto const& curve = figure.curves[point.curve];
         bool const first = p == 0 || figure.points[p - 1].curve != point.curve;
         for (auto const& criterion : curve.criteria) {
-            Quantity const* const quantity = find_quantity(point.quantities, criterion.quantity);
-            if (!quantity)
+            if (first && (criterion.theory == "previous" || criterion.quantity.starts_with(exponent_prefix)))
+                continue;
+            auto const estimate = estimate_at(figure, p, criterion.quantity);
+            if (!estimate)
                 throw InputError(fmt::format("figure {}, curve {}: its scene does not measure {}", figure.id,
                                              curve.name, criterion.quantity));
             Comparison comparison{.figure = figure.id, .curve = curve.name, .parameter = curve.parameter};
             comparison.x = point.x;
             comparison.criterion = criterion;
-            comparison.estimate = quantity->estimate;
+            comparison.estimate = *estimate;
             comparison.runs = point.runs.size();
             comparison.seconds = point.seconds;
             if (criterion.theory == "previous") {
-                if (first) continue;
-                auto const& previous =
-                    find_quantity(figure.points[p - 1].quantities, criterion.quantity)->estimate;
+                auto const previous = *estimate_at(figure, p - 1, criterion.quantity);
                 comparison.theory = previous.value;
                 comparison.theory_error = previous.error;
             } else if (criterion.theory == "value") {
@@ -425,7 +496,7 @@ std::vector<Comparison> compare(Figure const& figure) {
                 comparison.theory = reference->estimate.value;
                 comparison.theory_error = reference->estimate.error;
             } else {
-                comparison.theory = theory_for(point.runs.front(), criterion.theory, point.x);
+                comparison.theory = theory_for(point.runs.front(), criterion.theory);
             }
             comparisons.push_back(std::move(comparison));
         }
@@ -645,6 +716,17 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
                         fmt::format("{:.10g} {:.10g} {:.4g}\n", point.x, estimate.value, estimate.error);
         for (auto const& [quantity, rows] : measured)
             text += fmt::format("# all:{}:{}\n{}\n\n", figure.curves[c].name, quantity, rows);
+    }
+    for (auto const& point : figure.points) {
+        if (point.configuration.size() == 0) continue;
+        std::string rows = "# box";
+        for (double const side : point.runs.front().length) rows += fmt::format(" {:.6g}", side);
+        for (Eigen::Index p = 0; p < point.configuration.rows(); ++p) {
+            rows += '\n';
+            for (double const x : point.configuration.row(p)) rows += fmt::format("{:.4f} ", x);
+        }
+        text +=
+            fmt::format("# configuration:{}:{:g}\n{}\n\n\n", figure.curves[point.curve].name, point.x, rows);
     }
     write_file(data, text);
     write_file(lines, theory_lines(figure));

@@ -26,8 +26,9 @@ enum class Relation {
 
 /// What a measured quantity is held against.
 struct Criterion {
-    std::string quantity;  ///< as `analyze` names it
-    std::string theory;    ///< id of a closed form; "curve:NAME"; "quantity:NAME"; or "value" with `value`
+    std::string
+        quantity;  ///< as `analyze` names it; or "exponent:NAME", d ln NAME/d ln x from the point before
+    std::string theory;  ///< id of a closed form; "curve:NAME"; "quantity:NAME"; or "value" with `value`
     double value = 0.0;
     Relation relation = Relation::equal;
     double tolerance = 0.0;    ///< 0: exact; else how far the theory may be off, relative
@@ -61,17 +62,19 @@ struct Point {
     double x = 0.0;
     std::vector<Scene> runs;  ///< one per seed
     std::vector<Quantity> quantities;
+    Eigen::ArrayXXd configuration;  ///< positions of the first run, where the scene keeps them
     double seconds = 0.0;
 };
 
 struct FigureCurve {
     std::string name, label, parameter;
     std::vector<Criterion> criteria;
-    std::vector<double> line;          ///< range of the theory line; empty: the points'
-    std::string join;                  ///< name of a curve whose quantities are added at the same x
-    std::string record;                ///< what is drawn is this measured curve, over its own x
-    double from = 0.0, to = INFINITY;  ///< of the measured curve
-    std::uint64_t every = 1;           ///< one in so many of its bins
+    std::vector<double> line;                ///< range of the theory line; empty: the points'
+    std::string join;                        ///< name of a curve whose quantities are added at the same x
+    std::vector<std::string> slope_between;  ///< names of the curves at a lower and at a higher density
+    std::string record;                      ///< what is drawn is this measured curve, over its own x
+    double from = 0.0, to = INFINITY;        ///< of the measured curve
+    std::uint64_t every = 1;                 ///< one in so many of its bins
 };
 
 struct Figure {
@@ -112,7 +115,7 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output);
 /// Prints the table of comparisons and writes report.csv and report.json to `output`. True if none disagrees.
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
 
-/// Value of a closed form for the parameters of a scene, at a time where the form has one.
-double theory_for(Scene const& scene, std::string const& id, std::optional<double> time = {});
+/// Value of a closed form for the parameters of a scene.
+double theory_for(Scene const& scene, std::string const& id);
 
 }  // namespace dpd

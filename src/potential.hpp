@@ -10,6 +10,7 @@ namespace dpd {
 
 /// Soft repulsion, U = (strength/2)(1 - r/cutoff)^2. @eq{NG2007,3} with strength = a kT; the force of Groot &
 /// Warren, a(1 - r/cutoff), has strength = a cutoff.
+// [soft]
 struct Soft {
     double strength = 0.0;  ///< energy
     double cutoff = 1.0;
@@ -20,9 +21,11 @@ struct Soft {
     double force(double r) const { return strength / cutoff * (1.0 - r / cutoff); }  ///< -dU/dr
     double curvature(double) const { return strength / (cutoff * cutoff); }          ///< d2U/dr2
 };
+// [soft]
 
 /// Lennard-Jones, U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) below the cutoff, the force truncated there.
 /// With `shifted` U is zero at the cutoff, which changes energies alone.
+// [lennard jones]
 struct LennardJones {
     double epsilon = 1.0;
     double sigma = 1.0;
@@ -48,6 +51,7 @@ private:
         return 4.0 * epsilon * s6 * (s6 - 1.0);
     }
 };
+// [lennard jones]
 
 /// What a scene may name.
 using AnyPotential = std::variant<Soft, LennardJones>;
@@ -79,6 +83,7 @@ double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d
         double const r = pairs.distance[k];
         if (r >= potential.cutoff) continue;
         auto const i = pairs.i[k], j = pairs.j[k];
+        // [pair force]
         double const f = potential.force(r) * (walls ? wall_factor(simulation, i, j) : 1.0);
         for (int axis = 0; axis < d; ++axis) {
             double const component = f * pairs.unit[axis][k];
@@ -86,6 +91,7 @@ double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d
             force[axis][j] -= component;
         }
         virial += f * pairs.unit[0][k] * pairs.unit[1][k] * r;
+        // [pair force]
     }
     if (walls) forget_wall_forces(simulation, field);
     simulation.counters.potential_evaluations += pairs.count;
@@ -104,6 +110,7 @@ Field<d> const& forces(Simulation<d>& simulation, Potential const& potential) {
 }
 
 /// The Laplacian counts every pair twice, once for each partner.
+// [potential sums]
 template <int d, class Potential>
 PotentialSums potential_sums(Simulation<d>& simulation, Potential const& potential) {
     PotentialSums sums;
@@ -121,5 +128,6 @@ PotentialSums potential_sums(Simulation<d>& simulation, Potential const& potenti
     }
     return sums;
 }
+// [potential sums]
 
 }  // namespace dpd

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "stages.hpp"
@@ -370,6 +373,129 @@ std::vector<Curve> temperature_profiles(Scene const& scene, std::vector<Record> 
     return profiles;
 }
 
+// One bin of a plane Poiseuille flow: height above the lower wall, and the direction in which the fluid is
+// driven.
+struct ChannelBin {
+    Eigen::Index bin;
+    double z, direction;
+};
+
+// The bins of a profile that lie in the channel: between walls, or in one of two opposed flows, each half a
+// box wide. None without a flow.
+std::vector<ChannelBin> channel_bins(Scene const& scene, Curve const& profile) {
+    std::vector<ChannelBin> bins;
+    if (!scene.has_stage("body_force") || (scene.wall == 0.0 && !scene.body_force.opposed)) return bins;
+    double const width = scene.channel_width();
+    for (std::size_t b = 0; b < profile.x.size(); ++b) {
+        bool const upper = scene.body_force.opposed && profile.x[b] >= width;
+        double const z = upper ? profile.x[b] - width : profile.x[b] - scene.wall;
+        if (z > 0.0 && z < width) bins.push_back({Eigen::Index(b), z, upper ? -1.0 : 1.0});
+    }
+    return bins;
+}
+
+// Least squares for u = sum over columns of c_k f_k.
+Eigen::VectorXd fit(Eigen::MatrixXd const& f, Eigen::VectorXd const& u) {
+    return f.colPivHouseholderQr().solve(u);
+}
+
+// The power-law profile that fits best; index 1 is the parabola. PK2006 sect. IV.
+struct PowerLaw {
+    double maximum = 0.0, index = 1.0;
+};
+PowerLaw fit_power_law(Eigen::VectorXd const& z, Eigen::VectorXd const& u, double width) {
+    Eigen::MatrixXd shape(z.size(), 1);
+    auto const fitted = [&](double index) {
+        for (Eigen::Index k = 0; k < z.size(); ++k)
+            shape(k, 0) = theory::power_law_velocity(1.0, index, width, z[k]);
+        return fit(shape, u)[0];
+    };
+    constexpr double least = 0.05, most = 20.0;
+    constexpr int bits = 24;  // of a minimum that is flat: more is noise
+    auto const [logarithm, residual] = boost::math::tools::brent_find_minima(
+        [&](double x) {
+            double const maximum = fitted(std::exp(x));
+            return (u - maximum * shape.col(0)).squaredNorm();
+        },
+        std::log(least), std::log(most), bits);
+    static_cast<void>(residual);
+    return {fitted(std::exp(logarithm)), std::exp(logarithm)};
+}
+
+// What a velocity profile says about the fluid in a channel. PK2006 sect. IV.
+template <class Add>
+void add_channel(Scene const& scene, std::vector<Record> const& records, Add&& add) {
+    auto const velocities = curves_of(records, "velocity_profile");
+    auto const densities = curves_of(records, "density_profile");
+    if (velocities.empty()) return;
+    double const width = scene.channel_width(), n = scene.density();
+    auto const bins = channel_bins(scene, *velocities.front());
+    if (bins.size() < 4 || scene.body_force.acceleration == 0.0) return;
+    auto const size = static_cast<Eigen::Index>(bins.size());
+    Eigen::VectorXd z(size);
+    for (Eigen::Index k = 0; k < size; ++k) z[k] = bins[std::size_t(k)].z;
+    Eigen::MatrixXd parabola(size, 2);
+    parabola.col(0) = z.array() * (width - z.array());
+    parabola.col(1).setOnes();
+    double const force = scene.mass * scene.body_force.acceleration;
+
+    // f(profile in the direction of the flow), for each block
+    auto const over = [&](std::vector<Curve const*> const& curves, bool directed, auto&& f) {
+        std::vector<double> values;
+        for (Curve const* const curve : curves)
+            for (Eigen::Index block = 0; block < curve->sum.cols(); ++block) {
+                Eigen::VectorXd u(size);
+                bool whole = true;
+                for (Eigen::Index k = 0; k < size; ++k) {
+                    auto const& at = bins[std::size_t(k)];
+                    double const weight = curve->weight(at.bin, block);
+                    whole &= weight > 0.0;
+                    u[k] = (directed ? at.direction : 1.0) * curve->sum(at.bin, block) / weight;
+                }
+                if (whole) values.push_back(f(u));
+            }
+        return independent(values);
+    };
+    add("poiseuille_viscosity", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            return n * force / (2.0 * fit(parabola.leftCols(1), u)[0]);
+        }));
+    add("maximum_velocity",
+        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).maximum; }));
+    add("power_law_index",
+        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).index; }));
+    add("slip", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            Eigen::VectorXd const c = fit(parabola, u);
+            return c[1] / (c[0] * width * width / 4.0);
+        }));
+    add("bulk_density", over(densities, false, [&](Eigen::VectorXd const& density) {
+            double sum = 0.0, count = 0.0;
+            for (Eigen::Index k = 0; k < size; ++k)
+                if (std::abs(z[k] / width - 0.5) < 0.25) sum += density[k], count += 1.0;
+            return sum / (count * n);
+        }));
+    add("density_peak",
+        over(densities, false, [&](Eigen::VectorXd const& density) { return density.maxCoeff() / n; }));
+    if (!scene.coarse_graining || scene.coarse_graining->viscosity == 0.0) return;
+    double const eta = scene.coarse_graining->viscosity;
+    Eigen::VectorXd expected(size);
+    for (Eigen::Index k = 0; k < size; ++k)
+        expected[k] = theory::poiseuille_velocity(n, force, eta, width, z[k]);
+    double const maximum = theory::poiseuille_maximum_velocity(n, force, eta, width);
+    add("navier_stokes_deviation", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            return std::sqrt((u - expected).squaredNorm() / double(size)) / maximum;
+        }));
+    add("navier_stokes_ratio", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            return fit_power_law(z, u, width).maximum / maximum;
+        }));
+    add("mach_number", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            theory::CoarseGraining const map{.Nm = scene.coarse_graining->atoms_per_particle};
+            double const kT = scene.thermostat_kT();
+            return fit_power_law(z, u, width).maximum /
+                   theory::groot_warren_sound_speed({.n = n, .m = scene.mass, .kT = kT},
+                                                    theory::conservative_coefficient(map, kT), map.alpha);
+        }));
+}
+
 // What theory makes of a measured g(r): the relaxation rate of friction, the collision viscosity, and the
 // potential viscosity that goes with a relaxation rate of one. @eq{NG2007,12} @eq{NG2007,14} @eq{NG2007,16}
 template <class Add>
@@ -400,6 +526,11 @@ void add_integrals_of_g(Scene const& scene, std::vector<Record> const& records, 
     if (scene.has_potential() && repulsion && repulsion->strength > 0.0 && gas.kT > 0.0) {
         gas.rc = repulsion->cutoff;
         theory::Soft const soft{.a = repulsion->strength / gas.kT};
+        double const a = repulsion->strength / repulsion->cutoff;
+        add("pressure_by_g", over_g([&](auto const& g) { return theory::virial_pressure(gas, a, g); }));
+        add("speed_of_sound_by_g",
+            over_g([&](auto const& g) { return theory::virial_sound_speed(gas, a, g); }));
+        add("repulsion_constant", over_g([&](auto const& g) { return theory::repulsion_constant(gas, g); }));
         add("potential_viscosity_per_rate",
             over_g([&](auto const& g) { return theory::potential_viscosity(gas, soft, 1.0, g); }));
     }
@@ -506,7 +637,7 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
             static_cast<void>(curve);
             return found / uniform;
         }));
-    int const components = scene.shear_rate != 0.0 ? scene.dimension - 1 : scene.dimension;
+    int const components = diffusing_components(scene);
     add("diffusion_constant",
         by_block(curves_of(records, "mean_square_displacement"), [&](auto const& curve, auto const& mean) {
             return diffusion_from(curve, mean, components);
@@ -533,6 +664,9 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
             Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
             return 2.0 * (mean * (4.0 * std::numbers::pi / scene.length[1] * y).cos()).mean() / mean.mean();
         }));
+    for (char const* name : {"global_q4", "local_q4", "global_q6", "local_q6"})
+        add(name, combine(series_of(records, name)));
+    add_channel(scene, records, add);
     add_integrals_of_g(scene, records, add);
     return quantities;
 }
@@ -581,6 +715,39 @@ void derive(Scene const& scene, std::vector<Quantity>& quantities) {
                  [&](auto const& x) { return theory::kinetic_viscosity(n, kT, x[0], x[1]); });
     add_function(quantities, "schmidt_number", {value("viscosity"), value("diffusion_constant")},
                  [&](auto const& x) { return x[0] / (n * scene.mass * x[1]); });
+    if (!scene.coarse_graining) return;
+    // eq. 4 with the viscosity that was measured
+    theory::CoarseGraining const map{.Nm = scene.coarse_graining->atoms_per_particle};
+    theory::Channel const channel;
+    add_function(quantities, "time_unit", {value("viscosity")},
+                 [&](auto const& x) { return theory::time_unit(map, x[0]); });
+    add_function(quantities, "predicted_velocity", {value("viscosity")}, [&](auto const& x) {
+        return theory::poiseuille_maximum_velocity(map.n,
+                                                   theory::force_in_dpd_units(map, x[0], channel.force), x[0],
+                                                   theory::length_in_dpd_units(map, channel.width));
+    });
+    add_function(quantities, "predicted_mach_number", {value("viscosity")}, [&](auto const& x) {
+        return theory::mach_number(map, x[0], kT, channel.force, channel.width);
+    });
+    if (scene.coarse_graining->force > 0.0)
+        add_function(quantities, "force_ratio", {value("viscosity")}, [&](auto const& x) {
+            return scene.mass * scene.body_force.acceleration /
+                   theory::force_in_dpd_units(map, x[0], scene.coarse_graining->force);
+        });
+}
+
+void derive_from_densities(Scene const& scene, double densities, Estimate const& below, Estimate const& above,
+                           std::vector<Quantity>& quantities) {
+    double const kT = scene.thermostat_kT();
+    add_function(quantities, "pressure_slope", {below, above},
+                 [&](auto const& x) { return (x[1] - x[0]) / densities; });
+    Estimate const slope = estimate_of(quantities, "pressure_slope");
+    add_function(quantities, "inverse_compressibility", {slope}, [&](auto const& x) { return x[0] / kT; });
+    if (scene.coarse_graining)
+        add_function(quantities, "inverse_compressibility_per_atom", {slope},
+                     [&](auto const& x) { return x[0] / (kT * scene.coarse_graining->atoms_per_particle); });
+    add_function(quantities, "speed_of_sound", {slope},
+                 [&](auto const& x) { return std::sqrt(std::max(0.0, x[0]) / scene.mass); });
 }
 
 void derive_at_lag(Scene const& scene, std::vector<Quantity>& quantities, double t) {
@@ -599,17 +766,48 @@ void derive_at_lag(Scene const& scene, std::vector<Quantity>& quantities, double
                  });
 }
 
+namespace {
+
+// The velocity between the walls of a channel, block by block; opposed flows are laid over each other. In the
+// atoms' units (sigma, sigma/tau) where the scene says what an atom is.
+Curve channel_profile(Scene const& scene, Curve const& velocity) {
+    double length = 1.0, speed = 1.0;
+    if (scene.coarse_graining && scene.coarse_graining->viscosity > 0.0) {
+        theory::CoarseGraining const map{.Nm = scene.coarse_graining->atoms_per_particle};
+        length = theory::cutoff_radius(map);
+        speed = length / theory::time_unit(map, scene.coarse_graining->viscosity);
+    }
+    std::map<double, std::vector<ChannelBin>> by_height;
+    for (auto const& bin : channel_bins(scene, velocity))
+        by_height[std::round(bin.z * 1e9) * 1e-9].push_back(bin);
+    Curve profile;
+    profile.resize(by_height.size());
+    Eigen::Index to = 0;
+    for (auto const& [z, bins] : by_height) {
+        profile.x[std::size_t(to)] = z * length;
+        for (auto const& from : bins) {
+            profile.sum.row(to) += from.direction * speed * velocity.sum.row(from.bin);
+            profile.weight.row(to) += velocity.weight.row(from.bin);
+        }
+        ++to;
+    }
+    return profile;
+}
+
+}  // namespace
+
 CurveEstimate curve_of(Scene const& scene, std::vector<Record> const& records, std::string const& name) {
-    std::vector<Curve> const temperatures =
+    std::vector<Curve> derived =
         name == "temperature_profile" ? temperature_profiles(scene, records) : std::vector<Curve>{};
+    if (name == "channel_profile")
+        for (Curve const* const velocity : curves_of(records, "velocity_profile"))
+            derived.push_back(channel_profile(scene, *velocity));
     auto curves = curves_of(records, name);
-    for (auto const& profile : temperatures) curves.push_back(&profile);
+    for (auto const& curve : derived) curves.push_back(&curve);
     CurveEstimate result;
     if (curves.empty()) return result;
     result.x = curves.front()->x;
-    double const components = name != "velocity_autocorrelation" ? 1.0
-                              : scene.shear_rate != 0.0          ? scene.dimension - 1
-                                                                 : scene.dimension;
+    double const components = name == "velocity_autocorrelation" ? diffusing_components(scene) : 1.0;
     for (std::size_t bin = 0; bin < result.x.size(); ++bin) {
         std::vector<double> values;
         for (Curve const* const curve : curves)

@@ -62,6 +62,12 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
 /// `schmidt_number`. @eq{NG2007,14} @eq{NG2007,16}
 void derive(Scene const& scene, std::vector<Quantity>& quantities);
 
+/// Adds what follows from the pressures of a scene's fluid `below` and `above` its density, `densities`
+/// apart: `pressure_slope` dp/dn, `inverse_compressibility` (1/kT) dp/dn (also per atom) and the isothermal
+/// `speed_of_sound` sqrt((dp/dn)/m). @eq{PK2006,3} @eq{PK2006,7}
+void derive_from_densities(Scene const& scene, double densities, Estimate const& below, Estimate const& above,
+                           std::vector<Quantity>& quantities);
+
 /// Adds what a velocity autocorrelation is compared with at lag t: `exponential_decay`, the exponential of
 /// the same integral, and, where viscosity and diffusion are known, `hydrodynamic_tail` in the periodic box.
 void derive_at_lag(Scene const& scene, std::vector<Quantity>& quantities, double t);
@@ -72,8 +78,9 @@ struct CurveEstimate {
     std::vector<Estimate> y;
 };
 
-/// The curve of that name; also "temperature_profile". Empty if the scene does not measure it. Per component
-/// for the velocity autocorrelation.
+/// The curve of that name; also "temperature_profile", and "channel_profile": the velocity across one
+/// channel, in the atoms' units where coarse_graining gives the viscosity. Empty if the scene does not
+/// measure it. Per component for the velocity autocorrelation.
 CurveEstimate curve_of(Scene const& scene, std::vector<Record> const& records, std::string const& name);
 
 /// The quantity of that name, or nothing.

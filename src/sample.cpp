@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace dpd {
@@ -29,8 +31,10 @@ void Record::archive(Archive& archive) {
         archive("observables/" + name + "/sum", curve.sum);
         archive("observables/" + name + "/weight", curve.weight);
     }
+    if (configuration.size() > 0) archive("observables/configuration/value", configuration);
 }
 
+// [kinetic stress]
 template <int d>
 double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double time_step) {
     auto const v_x = particles.velocity.col(0);
@@ -40,7 +44,9 @@ double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double t
         box.shear_rate * (particles.position.col(1) + 0.5 * time_step * v_y - 0.5 * box.length[1]);
     return -particles.mass * ((v_x - flow_at_mid_drift) * v_y).sum() / box.volume();
 }
+// [kinetic stress]
 
+// [collision stress]
 template <int d>
 double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box, double time_step) {
     if (!pairs.updated) return 0.0;
@@ -49,6 +55,7 @@ double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box
         sum += pairs.impulse[k] * pairs.unit[0][k] * pairs.unit[1][k] * pairs.distance[k];
     return -mass * sum / (box.volume() * time_step);
 }
+// [collision stress]
 
 template <int d>
 Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulation)
@@ -85,6 +92,13 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
         wide_search_.cutoff = p->range;
         wide_search_.check(simulation.box);
     }
+    if (auto const& p = parameters_.bond_order) {
+        for (char const* name : {"global_q4", "local_q4", "global_q6", "local_q6"}) series[name];
+        bond_search_.cutoff = p->range;
+        bond_search_.check(simulation.box);
+    }
+    if (parameters_.configuration)
+        record_.configuration.setZero(Eigen::Index{simulation.particles.mobile}, d);
     auto const correlation = [&](std::string const& name, CorrelationParameters const& p) {
         curve(name, p.lags + 1, 0.0, double(p.spacing) * simulation.time_step);
     };
@@ -120,8 +134,12 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
     if (parameters_.profile && step % parameters_.profile->interval == 0) sample_profile(simulation, block);
     if (parameters_.radial_distribution && step % parameters_.radial_distribution->interval == 0)
         sample_radial_distribution(simulation, block);
-    // in shear the flow's own axis is left out: what it carries along is not diffusion
-    int const components = simulation.box.sheared() ? d - 1 : d;
+    if (parameters_.bond_order && step % parameters_.bond_order->interval == 0) sample_bond_order(simulation);
+    if (parameters_.configuration && step % parameters_.interval == 0)
+        for (Eigen::Index p = 0; p < simulation.particles.size(); ++p)
+            if (!simulation.particles.frozen(p))
+                record_.configuration.row(simulation.particles.id[p]) = simulation.particles.position.row(p);
+    int const components = parameters_.components;
     if (auto const& p = parameters_.mean_square_displacement)
         correlate(
             simulation, *p, "mean_square_displacement", displacement_origins_,
@@ -159,6 +177,7 @@ void Recorder<d>::sample_stress(Simulation<d>& simulation) {
              : 0.0));
 }
 
+// [pressure]
 template <int d>
 void Recorder<d>::sample_potential(Simulation<d>& simulation) {
     auto& series = record_.series;
@@ -174,6 +193,7 @@ void Recorder<d>::sample_potential(Simulation<d>& simulation) {
         series["laplacian"].push_back(sums.laplacian / n);
     }
 }
+// [pressure]
 
 template <int d>
 void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index block) {
@@ -205,6 +225,7 @@ void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index b
     }
 }
 
+// [radial distribution]
 template <int d>
 void Recorder<d>::sample_radial_distribution(Simulation<d> const& simulation, Eigen::Index block) {
     wide_search_.find(simulation.particles, simulation.box, simulation.time, {}, wide_pairs_);
@@ -221,6 +242,63 @@ void Recorder<d>::sample_radial_distribution(Simulation<d> const& simulation, Ei
         g.weight(bin, block) +=
             pairs_per_volume * unit_ball *
             (std::pow(double(bin + 1) / per_range, d) - std::pow(double(bin) / per_range, d));
+}
+// [radial distribution]
+
+BondOrder bond_order(Particles<3> const& particles, PairList<3> const& pairs, int l) {
+    using Harmonics = Eigen::ArrayXXcd;  // a column for each m of 0..l: that of -m is its conjugate
+    Eigen::Index const rows = particles.size();
+    Harmonics sum = Harmonics::Zero(rows, l + 1);
+    Eigen::ArrayXd bonds = Eigen::ArrayXd::Zero(rows);
+    Eigen::ArrayXcd total = Eigen::ArrayXcd::Zero(l + 1);
+    double total_bonds = 0.0;
+    for (std::size_t k = 0; k < pairs.count; ++k) {
+        double const theta = std::acos(std::clamp(pairs.unit[2][k], -1.0, 1.0)),
+                     phi = std::atan2(pairs.unit[1][k], pairs.unit[0][k]);
+        auto const i = pairs.i[k], j = pairs.j[k];
+        bool const counts = !particles.frozen(i) && !particles.frozen(j);
+        for (int m = 0; m <= l; ++m) {
+            std::complex<double> const y =
+                boost::math::spherical_harmonic(static_cast<unsigned>(l), m, theta, phi);
+            sum(i, m) += y;
+            sum(j, m) += y;  // even l: the same in both directions
+            if (counts) total[m] += y;
+        }
+        bonds[i] += 1.0;
+        bonds[j] += 1.0;
+        total_bonds += counts;
+    }
+    // |q|^2 over m = -l..l, normalized so that one bond has 1
+    auto const norm = [l](auto const& q) {
+        double const squared = 2.0 * q.abs2().sum() - std::norm(q[0]);
+        return std::sqrt(4.0 * std::numbers::pi / (2 * l + 1) * squared);
+    };
+    BondOrder order;
+    if (total_bonds > 0.0) order.global = norm((total / total_bonds).eval());
+    for (Eigen::Index p = 0; p < rows; ++p)
+        if (bonds[p] > 0.0) sum.row(p) /= bonds[p];
+    Harmonics average = sum;  // over a particle and its neighbours
+    for (std::size_t k = 0; k < pairs.count; ++k) {
+        average.row(pairs.i[k]) += sum.row(pairs.j[k]);
+        average.row(pairs.j[k]) += sum.row(pairs.i[k]);
+    }
+    for (Eigen::Index p = 0; p < rows; ++p)
+        if (!particles.frozen(p))
+            order.local += norm((average.row(p) / (1.0 + bonds[p])).eval()) / double(particles.mobile);
+    return order;
+}
+
+template <int d>
+void Recorder<d>::sample_bond_order(Simulation<d> const& simulation) {
+    if constexpr (d == 3) {
+        bond_search_.find(simulation.particles, simulation.box, simulation.time, {}, wide_pairs_);
+        auto& series = record_.series;
+        for (int const l : {4, 6}) {
+            auto const order = bond_order(simulation.particles, wide_pairs_, l);
+            series[fmt::format("global_q{}", l)].push_back(order.global);
+            series[fmt::format("local_q{}", l)].push_back(order.local);
+        }
+    }
 }
 
 template <int d>

@@ -31,6 +31,12 @@ struct RadialDistributionParameters {
     double range = 2.0;
 };
 
+/// Bonds between particles closer than `range`: the order parameters of crystals.
+struct BondOrderParameters {
+    std::uint64_t interval = 100;
+    double range = 1.0;
+};
+
 struct SampleParameters {
     std::uint64_t interval = 1;       ///< steps between samples of the scalars
     std::uint64_t equilibration = 0;  ///< steps before the first sample
@@ -42,10 +48,13 @@ struct SampleParameters {
     bool potential_energy = false;
     bool pressure = false;
     bool configurational_temperature = false;
+    bool configuration = false;  ///< the positions at the last sample
+    int components = 0;  ///< of displacements and velocities that tell of diffusion: the last so many axes
     std::optional<ProfileParameters> profile;
     std::optional<RadialDistributionParameters> radial_distribution;
     std::optional<CorrelationParameters> mean_square_displacement;
     std::optional<CorrelationParameters> velocity_autocorrelation;
+    std::optional<BondOrderParameters> bond_order;
 };
 
 /// A function sampled in bins, kept in blocks of time for its error: mean = sum/weight.
@@ -66,6 +75,7 @@ inline constexpr Eigen::Index curve_blocks = 8;
 struct Record {
     std::map<std::string, std::vector<double>> series;
     std::map<std::string, Curve> curves;
+    Eigen::ArrayXXd configuration;  ///< positions by id, in the box; empty unless asked for
     void archive(Archive& archive);
 };
 
@@ -82,6 +92,17 @@ double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double t
 /// @eq{NG2007,11}
 template <int d>
 double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box, double time_step);
+
+/// Bond-orientational order, three dimensions, from the pairs closer than `range`. `global` is Steinhardt's
+/// Q_l of all bonds (P. J. Steinhardt, D. R. Nelson, M. Ronchetti, Phys. Rev. B 28 (1983) 784), which
+/// vanishes as N^(-1/2) in a fluid; `local` the mean over particles of q_l averaged over neighbours (W.
+/// Lechner, C. Dellago, J. Chem. Phys. 129 (2008) 114707), which does not care how crystallites are turned.
+/// `frozen` particles count as neighbours only.
+struct BondOrder {
+    double global = 0.0;
+    double local = 0.0;
+};
+BondOrder bond_order(Particles<3> const& particles, PairList<3> const& pairs, int l);
 
 /// Samples a simulation; `operator()` is a stage.
 template <int d>
@@ -103,6 +124,7 @@ private:
     void sample_potential(Simulation<d>&);
     void sample_profile(Simulation<d> const&, Eigen::Index block);
     void sample_radial_distribution(Simulation<d> const&, Eigen::Index block);
+    void sample_bond_order(Simulation<d> const&);
     template <class Value, class Product>
     void correlate(Simulation<d> const&, CorrelationParameters const&, std::string const& name,
                    std::vector<Origin>&, Value value, Product product);
@@ -113,6 +135,7 @@ private:
     double time_step_ = 0.0;
     Record record_;
     PairSearch<d> wide_search_;  // for g(r) beyond the cutoff
+    PairSearch<d> bond_search_;
     PairList<d> wide_pairs_;
     std::vector<Origin> displacement_origins_, velocity_origins_;
 };

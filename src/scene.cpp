@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "stages.hpp"
+#include "theory/closed_forms.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
 
@@ -109,8 +110,29 @@ Weight read_weight(TomlReader& reader, std::string const& key, std::string const
     return *weight_from_name(reader.text(key, fallback, names));
 }
 
+void read_coarse_graining(Scene& scene, TomlReader reader) {
+    auto& map = scene.coarse_graining.emplace();
+    map.atoms_per_particle = reader.number("atoms_per_particle", std::nullopt, positive);
+    map.length = reader.numbers("length", std::vector<double>{}, positive);
+    map.force = reader.number("force", 0.0, positive);
+    if (scene.dimension != 3) reader.fail("atoms_per_particle", "is for three dimensions");
+    if (reader.has("force") && !scene.has_stage("body_force"))
+        reader.fail("force", "belongs to the stage body_force; allowed: both or neither");
+    if (reader.has("force")) map.viscosity = reader.number("viscosity", std::nullopt, positive);
+    reader.finish();
+}
+
+theory::CoarseGraining map_of(Scene const& scene) {
+    return {.Nm = scene.coarse_graining->atoms_per_particle};
+}
+
 void read_box(Scene& scene, TomlReader reader) {
-    scene.length = reader.numbers("length", std::nullopt, positive);
+    bool const mapped = scene.coarse_graining && !scene.coarse_graining->length.empty();
+    if (mapped && reader.has("length"))
+        reader.fail("length", "is also in coarse_graining; allowed: one of them");
+    scene.length = mapped ? scene.coarse_graining->length : reader.numbers("length", std::nullopt, positive);
+    if (mapped)
+        for (double& side : scene.length) side = theory::length_in_dpd_units(map_of(scene), side);
     if (scene.length.size() != static_cast<std::size_t>(scene.dimension))
         reader.fail("length", fmt::format("has {} sides; allowed: {}, one per dimension", scene.length.size(),
                                           scene.dimension));
@@ -121,6 +143,8 @@ void read_box(Scene& scene, TomlReader reader) {
 void read_walls(Scene& scene, TomlReader reader) {
     scene.wall = reader.number("thickness", std::nullopt, positive);
     if (reader.has("strength")) scene.wall_strength = reader.number("strength", std::nullopt, non_negative);
+    // there the sides are those of the fluid
+    if (scene.coarse_graining && !scene.coarse_graining->length.empty()) scene.length[1] += 2.0 * scene.wall;
     if (2.0 * scene.wall >= scene.length[1])
         reader.fail("thickness",
                     fmt::format("{} leaves no fluid between the walls; allowed: less than half of "
@@ -142,9 +166,7 @@ void read_particles(Scene& scene, TomlReader reader) {
     scene.particles = static_cast<std::uint64_t>(std::llround(count));
     scene.wall_particles =
         static_cast<std::uint64_t>(std::llround(scene.density() * (scene.volume() - scene.fluid_volume())));
-    auto const start = reader.text("start", "random", start_names);
-    scene.start =
-        static_cast<Start>(std::find(start_names.begin(), start_names.end(), start) - start_names.begin());
+    scene.start = reader.choice<Start>("start", "random", start_names);
     scene.mass = reader.number("mass", 1.0, positive);
     scene.kT = reader.number("kT", 1.0, non_negative);
     reader.finish();
@@ -205,8 +227,11 @@ void read_potential(Scene& scene, TomlReader& reader) {
         reader.fail("soft", "give either a table soft or a table lennard_jones");
     if (auto table = reader.table("soft")) {
         Soft soft;
-        soft.strength = table->number("strength", std::nullopt, non_negative);
         soft.cutoff = table->number("cutoff", 1.0, positive);
+        if (scene.coarse_graining && (table->has("strength") || soft.cutoff != 1.0))
+            table->fail("strength", "and cutoff follow from coarse_graining; allowed: one of them");
+        // coarse_graining is known, the thermostat's kT perhaps not yet: set_coarse_graining
+        if (!scene.coarse_graining) soft.strength = table->number("strength", std::nullopt, non_negative);
         table->finish();
         scene.potential = soft;
     }
@@ -238,9 +263,7 @@ void read_modified_verlet(Scene& scene, TomlReader& reader) {
 
 void read_rescale(Scene& scene, TomlReader& reader) {
     auto& p = scene.rescale;
-    auto const mode = reader.text("mode", "global", rescaling_names);
-    p.mode = static_cast<Rescaling>(std::find(rescaling_names.begin(), rescaling_names.end(), mode) -
-                                    rescaling_names.begin());
+    p.mode = reader.choice<Rescaling>("mode", "global", rescaling_names);
     p.kT = reader.number("kT", 1.0, positive);
     p.cell = reader.number("cell", 1.0, positive);
     p.thickness = reader.integer("thickness", 1, positive_integer);
@@ -257,7 +280,10 @@ void read_rescale(Scene& scene, TomlReader& reader) {
 
 // [body force]
 void read_body_force(Scene& scene, TomlReader& reader) {
-    scene.body_force.acceleration = reader.number("acceleration", std::nullopt, any_number);
+    bool const mapped = scene.coarse_graining && scene.coarse_graining->viscosity > 0.0;
+    if (mapped && reader.has("acceleration"))
+        reader.fail("acceleration", "follows from coarse_graining.force; allowed: one of them");
+    if (!mapped) scene.body_force.acceleration = reader.number("acceleration", std::nullopt, any_number);
     scene.body_force.opposed = reader.boolean("opposed", false);
 }
 // [body force]
@@ -293,6 +319,24 @@ void read_stage_parameters(Scene& scene, TomlReader& root) {
     }
 }
 
+// What the paper's numbers mean in the units of the DPD fluid.
+void set_coarse_graining(Scene& scene, TomlReader const& root) {
+    auto const& map = *scene.coarse_graining;
+    auto* const soft = std::get_if<Soft>(&scene.potential);
+    if (!scene.has_potential() || !soft)
+        root.fail("coarse_graining", "is for the soft potential of verlet or modified_verlet");
+    double const kT = scene.thermostat_kT();
+    if (kT == 0.0) root.fail("coarse_graining", "needs a thermostat with kT > 0");
+    try {
+        soft->strength = theory::conservative_coefficient(map_of(scene), kT);
+        if (map.viscosity > 0.0)
+            scene.body_force.acceleration =
+                theory::force_in_dpd_units(map_of(scene), map.viscosity, map.force) / scene.mass;
+    } catch (std::exception const& error) {
+        root.fail("coarse_graining", error.what());
+    }
+}
+
 CorrelationParameters read_correlation(Scene const& scene, TomlReader reader) {
     double const time_step = scene.time_step;
     double const spacing = reader.number("spacing", time_step, positive);
@@ -307,6 +351,12 @@ CorrelationParameters read_correlation(Scene const& scene, TomlReader reader) {
     if (p.spacing * p.lags >= scene.production_steps)
         reader.fail("longest", fmt::format("{} does not fit into time.duration", longest));
     return p;
+}
+
+void check_range(Scene const& scene, TomlReader const& table, double range) {
+    double const shortest = *std::min_element(scene.length.begin(), scene.length.end());
+    if (shortest < 2.0 * range)
+        table.fail("range", fmt::format("must not exceed half the shortest box side, {}", shortest / 2.0));
 }
 
 void read_sample(Scene& scene, TomlReader reader) {
@@ -331,12 +381,18 @@ void read_sample(Scene& scene, TomlReader reader) {
         sample.radial_distribution = {.interval = table->integer("interval", 100, positive_integer),
                                       .bins = table->integer("bins", 100, bin_count),
                                       .range = table->number("range", 2.0, positive)};
-        for (double const side : scene.length)
-            if (side < 2.0 * sample.radial_distribution->range)
-                table->fail("range",
-                            fmt::format("must not exceed half the shortest box side, {}", side / 2.0));
+        check_range(scene, *table, sample.radial_distribution->range);
         table->finish();
     }
+    sample.configuration = reader.boolean("configuration", false);
+    if (auto table = reader.table("bond_order")) {
+        sample.bond_order = {.interval = table->integer("interval", 100, positive_integer),
+                             .range = table->number("range", std::nullopt, positive)};
+        if (scene.dimension != 3) table->fail("range", "is for three dimensions");
+        check_range(scene, *table, sample.bond_order->range);
+        table->finish();
+    }
+    sample.components = diffusing_components(scene);
     if (auto table = reader.table("mean_square_displacement"))
         sample.mean_square_displacement = read_correlation(scene, *table);
     if (auto table = reader.table("velocity_autocorrelation"))
@@ -347,9 +403,8 @@ void read_sample(Scene& scene, TomlReader reader) {
 void read_pairs(Scene& scene, TomlReader reader) {
     static constexpr std::array<std::string_view, 2> searches{"cell", "brute"};
     static constexpr std::array<std::string_view, 3> orders{"cell", "id", "random"};
-    scene.search = reader.text("search", "cell", searches) == "cell" ? Search::cell : Search::brute;
-    auto const order = reader.text("order", "cell", orders);
-    scene.order = order == "cell" ? Order::cell : order == "id" ? Order::id : Order::random;
+    scene.search = reader.choice<Search>("search", "cell", searches);
+    scene.order = reader.choice<Order>("order", "cell", orders);
     reader.finish();
 }
 
@@ -375,6 +430,10 @@ void check_stages(Scene const& scene, TomlReader const& root) {
         !scene.has_stage("modified_verlet"))
         root.fail("stages",
                   "have no friction_stress to sample; allowed: with shardlow, lowe or modified_verlet");
+    if (scene.wall_strength && !std::holds_alternative<Soft>(scene.potential))
+        root.fail("walls", "have a strength without a soft potential; allowed: no strength");
+    if (scene.wall > 0.0 && scene.body_force.opposed)
+        root.fail("body_force", "is opposed between walls; allowed: walls, or opposed flows without them");
     if (scene.wall > 0.0) {
         if (!scene.has_stage("modified_verlet") || count > 0 || scene.has_stage("rescale"))
             root.fail("stages", "do not know walls; allowed with walls: modified_verlet, body_force, sample");
@@ -415,15 +474,20 @@ Scene read_scene(toml::table const& table, std::string const& name) {
     scene.stages = root.texts("stages", std::nullopt, stage_names);
     if (scene.stages.empty())
         root.fail("stages", fmt::format("is empty; allowed: {}", fmt::join(stage_names, ", ")));
-    read_box(scene, required("box"));
+    if (auto reader = root.table("coarse_graining")) read_coarse_graining(scene, *reader);
+    toml::table const no_table;
+    bool const mapped = scene.coarse_graining && !scene.coarse_graining->length.empty();
+    read_box(scene, mapped && !root.has("box") ? TomlReader(no_table, "box.", name) : required("box"));
     if (auto reader = root.table("walls")) read_walls(scene, *reader);
     read_particles(scene, required("particles"));
     read_time(scene, required("time"));
     read_stage_parameters(scene, root);
+    if (scene.coarse_graining) set_coarse_graining(scene, root);
     for (double const side : scene.length)
         if (side < 2.0 * scene.cutoff())
-            required("box").fail("length", fmt::format("{} is too small; allowed: at least two cutoffs, {}",
-                                                       side, 2.0 * scene.cutoff()));
+            (mapped ? *root.table("coarse_graining") : required("box"))
+                .fail("length", fmt::format("{} is too small; allowed: at least two cutoffs, {}", side,
+                                            2.0 * scene.cutoff()));
     if (auto reader = root.table("sample")) {
         if (!scene.has_stage("sample"))
             root.fail("sample", "is given, but \"sample\" is not among the stages");
@@ -438,10 +502,17 @@ Scene read_scene(toml::table const& table, std::string const& name) {
     }
     root.finish();
     check_stages(scene, root);
+    if (scene.sample.mean_square_displacement || scene.sample.velocity_autocorrelation)
+        if (diffusing_components(scene) == 0)
+            root.fail("sample", "asks for displacements, but a plane channel has no direction left for them");
     return scene;
 }
 
 }  // namespace
+
+int diffusing_components(Scene const& scene) {
+    return scene.dimension - (scene.wall > 0.0 ? 2 : scene.flows() ? 1 : 0);
+}
 
 double Scene::volume() const {
     double product = 1.0;
@@ -454,6 +525,8 @@ bool Scene::has_stage(std::string const& name) const {
 }
 
 double Scene::fluid_volume() const { return volume() * (1.0 - 2.0 * wall / length[1]); }
+
+double Scene::channel_width() const { return body_force.opposed ? 0.5 * length[1] : length[1] - 2.0 * wall; }
 
 double Scene::cutoff() const {
     double longest = 0.0;

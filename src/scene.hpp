@@ -44,6 +44,15 @@ struct ModifiedVerletParameters {
     Weight weight = Weight::quadratic;
 };
 
+/// The paper's own description of a DPD fluid, @eq{PK2006,1} to @eq{PK2006,4}: what is missing in the scene
+/// follows from it. Lengths and forces in the atoms' units.
+struct CoarseGrainingParameters {
+    double atoms_per_particle = 1.0;
+    std::vector<double> length;  ///< sides of the fluid, sigma; empty: box.length counts
+    double force = 0.0;          ///< on each atom, along x, m sigma/tau^2
+    double viscosity = 0.0;      ///< of the DPD fluid, its own units; with `force` only
+};
+
 struct EulerParameters {
     double gamma = 1.0, sigma = 1.0, cutoff = 1.0;
     Weight weight = Weight::linear;
@@ -68,6 +77,7 @@ struct Scene {
     LoweParameters lowe;
     RescaleParameters rescale;
     BodyForceParameters body_force;
+    std::optional<CoarseGrainingParameters> coarse_graining;
     std::uint64_t substeps = 1;  ///< of the stage "verlet"
     ModifiedVerletParameters modified_verlet;
     AnyPotential potential;  ///< of "verlet" or "modified_verlet"
@@ -87,9 +97,12 @@ struct Scene {
 
     double volume() const;        ///< of the box
     double fluid_volume() const;  ///< without walls
+    double channel_width()
+        const;  ///< of a Poiseuille flow: between the walls, or half a box of opposed flows
     double density() const { return double(particles) / fluid_volume(); }
     std::uint64_t steps() const { return equilibration_steps + production_steps; }
     bool has_stage(std::string const& name) const;
+    bool flows() const { return shear_rate != 0.0 || has_stage("body_force"); }  ///< along x
     bool has_potential() const { return has_stage("verlet") || has_stage("modified_verlet"); }
     double cutoff() const;         ///< the longest of the scene's pair interactions; 0 without any
     double thermostat_kT() const;  ///< the highest that a thermostat of the scene is set to; 0 without any
@@ -97,6 +110,10 @@ struct Scene {
     /// Name of this scene's cached result: a UUID (version 5) of text, seed and engine revision.
     std::string key() const;
 };
+
+/// The last so many axes are those along which displacements and velocities tell of diffusion: not x where
+/// the fluid flows, and between walls only the last.
+int diffusing_components(Scene const& scene);
 
 /// Reads and checks a scene. `overrides` are "table.key=value", applied on top of the file. Throws
 /// InputError: "file:line: key: problem; allowed: ...".

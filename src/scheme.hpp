@@ -40,12 +40,14 @@ constexpr std::string_view name_of(Scheme scheme) {
 }
 
 /// A of a pair, a = w(r) dt/m >= 0.
+// [update a]
 template <Scheme scheme>
 inline double update_a(double a) {
     if constexpr (scheme == Scheme::shardlow) return a / (1.0 + a);
     if constexpr (scheme == Scheme::exponential) return -0.5 * std::expm1(-2.0 * a);
     if constexpr (scheme == Scheme::linear) return a;
 }
+// [update a]
 
 /// Calls `f.operator()<scheme>()`, so that an inner loop is compiled once per scheme.
 template <class F>
@@ -67,6 +69,8 @@ inline double update_a(Scheme scheme, double a) {
 
 /// B = sqrt(A(1-A)/m), which keeps kT at any step and mass. NG2007, below eq. 5; the B printed in eq. 5 lacks
 /// the factor 1/sqrt(m).
+// [update b]
 inline double update_b(double a, double mass) { return std::sqrt(a * (1.0 - a) / mass); }
+// [update b]
 
 }  // namespace dpd

@@ -32,6 +32,7 @@ void for_each_pair(PairList<d> const& pairs, Box<d> const& box, Visit&& visit) {
     for (; k < pairs.count; ++k) visit(k, std::integral_constant<int, 0>{});
 }
 
+// [streaming]
 // Moves all particles for a time `span` that ends at `end`.
 template <int d>
 void stream(Simulation<d>& simulation, double span, double end) {
@@ -42,6 +43,7 @@ void stream(Simulation<d>& simulation, double span, double end) {
     simulation.box.wrap(particles, simulation.time);
     simulation.positions_changed();
 }
+// [streaming]
 
 // v_ij . e_ij
 template <int d, class Speed>
@@ -118,6 +120,7 @@ void Shardlow<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
     auto& pairs = simulation.pairs();
     draw_pair_noise(simulation, pairs, key);
     simulation.stage_stress.friction = 0.0;
+    // [shardlow]
     double const rate = friction * simulation.time_step / simulation.particles.mass;
     with_weight(weight, [&]<Weight w>() {
         with_scheme(scheme, [&]<Scheme s>() {
@@ -125,6 +128,7 @@ void Shardlow<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
                          [&](std::size_t, double x) { return update_a<s>(rate * weight_at<w>(x)); });
         });
     });
+    // [shardlow]
 }
 
 template <int d>
@@ -139,6 +143,7 @@ void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         key.sweep = static_cast<std::uint8_t>(sweep);
         draw_pair_noise(simulation, pairs, key);
+        // [lowe sweep]
         double const probability = updates - sweep;
         if (probability >= 1.0) {
             update_pairs(simulation, pairs, cutoff, kT, [](std::size_t, double) { return 0.5; });
@@ -152,6 +157,7 @@ void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
                 return lot[Eigen::Index(k)] < probability ? 0.5 : 0.0;
             });
         }
+        // [lowe sweep]
         if (sweeps > 1) total = sweep == 0 ? Eigen::ArrayXd(impulse) : Eigen::ArrayXd(total + impulse);
     }
     if (sweeps > 1) std::copy_n(total.data(), pairs.count, pairs.impulse.begin());
@@ -187,12 +193,14 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
             double e[d];
             for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
             auto const i = pairs.i[k], j = pairs.j[k];
+            // [euler impulse]
             double const momentum =
                 -friction * w_d * approach<d>(velocity, i, j, e, image_speed) + noise * w_r * impulse[k];
             for (int axis = 0; axis < d; ++axis) {
                 change[axis][i] += momentum * e[axis];
                 change[axis][j] -= momentum * e[axis];
             }
+            // [euler impulse]
             impulse[k] = momentum * per_mass;
         });
     });
@@ -213,6 +221,7 @@ void Verlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const
     double const span = simulation.time_step / double(substeps);
     double const kick = 0.5 * span / particles.mass;
     stress.kinetic = stress.potential = 0.0;
+    // [substeps]
     for (std::uint64_t s = 0; s < substeps; ++s) {
         particles.velocity += kick * forces(simulation, potential);
         if (stress.wanted) {
@@ -226,6 +235,7 @@ void Verlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const
     }
     stress.kinetic /= double(substeps);
     stress.potential /= -double(substeps) * box.volume();
+    // [substeps]
     stress.streamed = true;
 }
 
@@ -252,6 +262,7 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
             for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
             auto const i = pairs.i[k], j = pairs.j[k];
             double const r = pairs.distance[k], x = r * per_cutoff;
+            // [modified verlet force]
             double conservative = r < potential.cutoff ? potential.force(r) : 0.0;
             if (walls) conservative *= wall_factor(simulation, i, j);
             double friction = 0.0, thermal = 0.0;
@@ -261,6 +272,7 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
                 thermal = friction + strength * std::sqrt(w_d) * noise[k];
             }
             double const f = conservative + thermal;
+            // [modified verlet force]
             for (int axis = 0; axis < d; ++axis) {
                 force[axis][i] += f * e[axis];
                 force[axis][j] -= f * e[axis];
@@ -289,6 +301,7 @@ void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKe
         find_forces(simulation, first);
     }
     auto const before = simulation.pair_virials;
+    // [modified verlet]
     particles.velocity += kick * simulation.force;
     if (stress.wanted) stress.kinetic = kinetic_stress(particles, simulation.box, dt);
     stream(simulation, dt, double(simulation.step + 1) * dt);
@@ -300,6 +313,7 @@ void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKe
     find_forces(simulation, key);
     if (prediction != 0.0) particles.velocity += simulation.momentum_change / particles.mass;
     particles.velocity += kick * simulation.force;
+    // [modified verlet]
     auto const average = [&](double PairVirials::*part) {
         return -0.5 * (before.*part + simulation.pair_virials.*part) / simulation.box.volume();
     };

@@ -33,6 +33,7 @@ std::vector<double> block_means(std::span<double const> series, std::size_t leng
     return means;
 }
 
+// [block length]
 std::size_t block_length(std::span<double const> series) {
     auto const n = double(series.size());
     if (series.size() < 4) return 1;
@@ -47,6 +48,7 @@ std::size_t block_length(std::span<double const> series) {
     }
     return length;
 }
+// [block length]
 
 }  // namespace
 
@@ -75,6 +77,7 @@ Estimate combine(std::span<std::vector<double> const> runs) {
         for (double const mean : means) within += std::pow(mean - run_means.back(), 2);
         pooled.insert(pooled.end(), means.begin(), means.end());
     }
+    // [runs]
     Estimate estimate = independent(pooled);
     if (run_means.size() >= 2 && pooled.size() > run_means.size()) {
         // Do whole runs differ by more than their blocks let expect? Then each run counts as one value.
@@ -86,6 +89,7 @@ Estimate combine(std::span<std::vector<double> const> runs) {
                           by_blocks)
             estimate = independent(run_means);
     }
+    // [runs]
     if (pooled.size() >= 2) {
         double const naive = variance_of_mean(all, mean_of(all));
         if (naive > 0.0) estimate.inefficiency = estimate.error * estimate.error / naive;
@@ -109,14 +113,17 @@ std::string_view name_of(Verdict verdict) {
     }
 }
 
+// [critical value]
 double critical_z(double false_alarm, std::size_t blocks) {
     if (blocks < 2) return std::numeric_limits<double>::infinity();
     boost::math::students_t const distribution(double(blocks - 1));
     return boost::math::quantile(boost::math::complement(distribution, false_alarm / 2.0));
 }
+// [critical value]
 
 Verdict judge(Estimate const& estimate, double theory, double tolerance, double resolution,
               double false_alarm) {
+    // [judge]
     double const half_width = critical_z(false_alarm, estimate.blocks) * estimate.error;
     double const distance = std::abs(estimate.value - theory);
     if (!std::isfinite(half_width) || !std::isfinite(distance)) return Verdict::undecided;
@@ -125,6 +132,7 @@ Verdict judge(Estimate const& estimate, double theory, double tolerance, double 
     bool const sharp =
         tolerance > 0.0 ? distance + half_width <= band : estimate.error <= resolution * std::abs(theory);
     return sharp ? Verdict::agrees : Verdict::undecided;
+    // [judge]
 }
 
 double time_factor_to_decide(Estimate const& estimate, double theory, double tolerance, double resolution,

@@ -32,7 +32,9 @@ double square(double x) { return x * x; }
 
 /// 1/(1 - exp(-rate)) - 1/2, the sum over steps of a correlation that each step multiplies by exp(-rate), the
 /// first step counting half. Written with expm1 so that a small step loses no digits.
+// [correlation sum]
 double correlation_sum(double rate) { return -1.0 / std::expm1(-rate) - 0.5; }
+// [correlation sum]
 
 /// [w], [w^2] and [w r^2] of a weight of height 1 and range rc.
 double integral_of_weight(int d, double rc, Weight weight) {
@@ -86,9 +88,11 @@ auto A_of_distance(Gas const& gas, Shardlow const& thermostat, double dt) {
 }
 
 /// What one pair at A takes away from <v_x v_y> (1 - s_ij averaged over directions) ...
+// [pair loss]
 double stress_loss(int d, double A) { return 2.0 * A / d - 4.0 * A * A / (d * (d + 2)); }
 /// ... and from <v(t).v(0)>.
 double velocity_loss(int d, double A) { return A / d; }
+// [pair loss]
 
 /// A of Lowe-Andersen: the relative velocity is replaced, 1 - 2A = 0.
 constexpr double lowe_A = 0.5;
@@ -96,28 +100,33 @@ constexpr double lowe_A = 0.5;
 double sphere_volume(Gas const& gas) { return unit_sphere_surface(gas.d) / gas.d * std::pow(gas.rc, gas.d); }
 
 /// -ln s of one step.
+// [stress decay]
 double stress_decay(Gas const& gas, Shardlow const& thermostat, double dt) {
     require_positive({{"n", gas.n}});
     auto const A = A_of_distance(gas, thermostat, dt);
     return gas.n * volume_integral(gas.d, gas.rc, [&](double r) { return stress_loss(gas.d, A(r)); });
 }
+// [stress decay]
 double stress_decay(Gas const& gas, Lowe const& thermostat, double dt) {
     require_positive({{"n", gas.n}, {"rc", gas.rc}, {"Gamma", thermostat.Gamma}, {"dt", dt}});
     return gas.n * thermostat.Gamma * dt * sphere_volume(gas) * stress_loss(gas.d, lowe_A);
 }
 
 /// -ln of the velocity correlation over one step.
+// [velocity decay]
 double velocity_decay(Gas const& gas, Shardlow const& thermostat, double dt) {
     require_positive({{"n", gas.n}});
     auto const A = A_of_distance(gas, thermostat, dt);
     return gas.n * volume_integral(gas.d, gas.rc, [&](double r) { return velocity_loss(gas.d, A(r)); });
 }
+// [velocity decay]
 double velocity_decay(Gas const& gas, Lowe const& thermostat, double dt) {
     require_positive({{"n", gas.n}, {"rc", gas.rc}, {"Gamma", thermostat.Gamma}, {"dt", dt}});
     return gas.n * thermostat.Gamma * dt * sphere_volume(gas) * velocity_loss(gas.d, lowe_A);
 }
 
 /// eta_pot/phi_pot of NG2007 eq. 16.
+// [friction as potential]
 double viscosity_per_relaxation_rate(Gas const& gas, Soft const& potential, PairDistribution const& g) {
     require_positive({{"n", gas.n}, {"m", gas.m}, {"a", potential.a}});
     // a kT/rc, the factor that all forces have in common, cancels
@@ -127,6 +136,7 @@ double viscosity_per_relaxation_rate(Gas const& gas, Soft const& potential, Pair
     double const force_r2 = integral_over_pairs(gas, g, [&](double r) { return f(r) * r * r; });
     return gas.n * gas.m * force_r2 / (2.0 * (gas.d + 2) * force);
 }
+// [friction as potential]
 
 /// nu + D, the rate per k^2 at which a tagged particle and a shear wave at k lose each other.
 double mode_diffusivity(Gas const& gas, double eta, double D) {
@@ -190,11 +200,13 @@ bool inside(LennardJones const& lj, double r) {
 struct TailFactors {
     double scale, s3;
 };
+// [tail factors]
 TailFactors tail_factors(LennardJones const& lj, double n) {
     require_positive({{"epsilon", lj.epsilon}, {"sigma", lj.sigma}, {"rc", lj.rc}, {"n", n}});
     double const sigma3 = lj.sigma * lj.sigma * lj.sigma;
     return {8.0 * std::numbers::pi / 3.0 * lj.epsilon * sigma3, sigma3 / (lj.rc * lj.rc * lj.rc)};
 }
+// [tail factors]
 
 /// The equation of state of Kolafa & Nezbeda 1994: hard spheres of a diameter that depends on the
 /// temperature, a term that makes the second virial coefficient right, and a fitted polynomial.
@@ -295,6 +307,7 @@ double unit_sphere_surface(int d) {
     throw std::invalid_argument("d must be 2 or 3");
 }
 
+// [volume integral]
 double volume_integral(int d, double rc, std::function<double(double)> const& f) {
     require_positive({{"rc", rc}});
     // Double-exponential quadrature, because (1 - x)^(1/2) has no finite slope at the cutoff and because S1
@@ -305,7 +318,9 @@ double volume_integral(int d, double rc, std::function<double(double)> const& f)
         quadrature.integrate([&](double x) { return std::pow(x, d - 1) * f(rc * x); }, 0.0, 1.0, tolerance);
     return unit_sphere_surface(d) * std::pow(rc, d) * radial;
 }
+// [volume integral]
 
+// [explicit integrals]
 double A1(ExplicitDpd const& fluid) {
     require_positive({{"m", fluid.m}, {"gamma", fluid.gamma}});
     return fluid.gamma * integral_of_weight(fluid.d, fluid.rc, fluid.weight) / (fluid.m * fluid.d);
@@ -324,7 +339,9 @@ double A3(ExplicitDpd const& fluid) {
                             : integral_of_weight(fluid.d, fluid.rc, fluid.weight);
     return square(fluid.sigma) * w_R2 / fluid.d;
 }
+// [explicit integrals]
 
+// [explicit temperature]
 double temperature_at_finite_step(ExplicitDpd const& fluid, double dt) {
     require_positive({{"n", fluid.n}, {"dt", dt}});
     double const a1 = A1(fluid);
@@ -334,7 +351,9 @@ double temperature_at_finite_step(ExplicitDpd const& fluid, double dt) {
                                 std::to_string(critical_step(fluid)) + " (my25)");
     return A3(fluid) / (fluid.m * damping);
 }
+// [explicit temperature]
 
+// [frozen neighbours]
 double temperature_with_frozen_neighbours(ExplicitDpd const& fluid, double dt) {
     require_positive({{"n", fluid.n}, {"dt", dt}});
     if (fluid.random_weight)
@@ -343,7 +362,9 @@ double temperature_with_frozen_neighbours(ExplicitDpd const& fluid, double dt) {
     double const a1 = A1(fluid);
     return A3(fluid) / (2.0 * fluid.m * a1) * (1.0 + 0.5 * fluid.n * a1 * dt);
 }
+// [frozen neighbours]
 
+// [critical]
 double critical_step(ExplicitDpd const& fluid) {
     require_positive({{"n", fluid.n}});
     double const a1 = A1(fluid);
@@ -360,6 +381,7 @@ double critical_density(ExplicitDpd const& fluid, double dt) {
                                 std::to_string(2.0 * a1 / a2) + " no density is stable");
     return density;
 }
+// [critical]
 
 double stress_retention(Gas const& gas, Shardlow const& thermostat, double dt) {
     return std::exp(-stress_decay(gas, thermostat, dt));
@@ -368,31 +390,37 @@ double stress_retention(Gas const& gas, Lowe const& thermostat, double dt) {
     return std::exp(-stress_decay(gas, thermostat, dt));
 }
 
+// [kinetic viscosity]
 double kinetic_viscosity(Gas const& gas, Shardlow const& thermostat, double dt) {
     require_positive({{"kT", gas.kT}});
     return gas.n * gas.kT * dt * correlation_sum(stress_decay(gas, thermostat, dt));
 }
+// [kinetic viscosity]
 double kinetic_viscosity(Gas const& gas, Lowe const& thermostat, double dt) {
     require_positive({{"kT", gas.kT}});
     return gas.n * gas.kT * dt * correlation_sum(stress_decay(gas, thermostat, dt));
 }
 
+// [kinetic limit]
 double kinetic_viscosity_limit(Gas const& gas, Shardlow const& thermostat) {
     require_positive({{"m", gas.m}, {"kT", gas.kT}, {"gamma", thermostat.gamma}});
     return gas.d * gas.m * gas.kT /
            (2.0 * thermostat.gamma * integral_of_weight(gas.d, gas.rc, thermostat.weight));
 }
+// [kinetic limit]
 double kinetic_viscosity_limit(Gas const& gas, Lowe const& thermostat) {
     require_positive({{"kT", gas.kT}, {"rc", gas.rc}, {"Gamma", thermostat.Gamma}});
     return gas.kT / (thermostat.Gamma * sphere_volume(gas) * stress_loss(gas.d, lowe_A));
 }
 
+// [collision viscosity]
 double collision_viscosity(Gas const& gas, Shardlow const& thermostat, double dt, PairDistribution const& g) {
     require_positive({{"n", gas.n}});
     auto const A = A_of_distance(gas, thermostat, dt);
     return square(gas.n) * gas.m / (2.0 * dt * gas.d * (gas.d + 2)) *
            integral_over_pairs(gas, g, [&](double r) { return A(r) * r * r; });
 }
+// [collision viscosity]
 double collision_viscosity(Gas const& gas, Lowe const& thermostat) {
     require_positive({{"n", gas.n}, {"m", gas.m}, {"rc", gas.rc}, {"Gamma", thermostat.Gamma}});
     double const integral_of_r2 = unit_sphere_surface(gas.d) * std::pow(gas.rc, gas.d + 2) / (gas.d + 2);
@@ -412,16 +440,20 @@ double velocity_retention(Gas const& gas, Lowe const& thermostat, double dt) {
     return std::exp(-velocity_decay(gas, thermostat, dt));
 }
 
+// [correlation]
 double velocity_autocorrelation(Gas const& gas, Shardlow const& thermostat, double dt, double t) {
     require_positive({{"kT", gas.kT}});
     if (!(t >= 0.0) || !std::isfinite(t)) throw std::invalid_argument("t must be finite and not negative");
     return gas.kT / gas.m * std::exp(-velocity_decay(gas, thermostat, dt) * t / dt);
 }
+// [correlation]
 
+// [diffusion]
 double diffusion_constant(Gas const& gas, Shardlow const& thermostat, double dt) {
     require_positive({{"kT", gas.kT}});
     return gas.kT * dt / gas.m * correlation_sum(velocity_decay(gas, thermostat, dt));
 }
+// [diffusion]
 double diffusion_constant(Gas const& gas, Lowe const& thermostat, double dt) {
     require_positive({{"m", gas.m}, {"kT", gas.kT}});
     return gas.kT * dt / gas.m * correlation_sum(velocity_decay(gas, thermostat, dt));
@@ -437,20 +469,25 @@ double diffusion_constant_limit(Gas const& gas, Lowe const& thermostat) {
     return gas.kT / (gas.m * gas.n * thermostat.Gamma * sphere_volume(gas) * velocity_loss(gas.d, lowe_A));
 }
 
+// [schmidt]
 double schmidt_number(Gas const& gas, Shardlow const& thermostat, double dt) {
     double const eta = kinetic_viscosity(gas, thermostat, dt) + collision_viscosity(gas, thermostat, dt);
     return eta / (gas.n * gas.m * diffusion_constant(gas, thermostat, dt));
 }
+// [schmidt]
 double schmidt_number(Gas const& gas, Lowe const& thermostat, double dt) {
     double const eta = kinetic_viscosity(gas, thermostat, dt) + collision_viscosity(gas, thermostat);
     return eta / (gas.n * gas.m * diffusion_constant(gas, thermostat, dt));
 }
 
+// [relaxation rate]
 double relaxation_rate(Gas const& gas, Shardlow const& thermostat, PairDistribution const& g) {
     require_positive({{"n", gas.n}, {"m", gas.m}, {"gamma", thermostat.gamma}});
     return gas.n / (gas.d * gas.m) * integral_over_pairs(gas, g, friction_of_distance(gas, thermostat));
 }
+// [relaxation rate]
 
+// [two rates]
 double kinetic_viscosity(double n, double kT, double phi_pot, double phi_dpd) {
     require_positive({{"n", n}, {"kT", kT}});
     require_finite({{"phi_pot", phi_pot}, {"phi_dpd", phi_dpd}});
@@ -458,6 +495,7 @@ double kinetic_viscosity(double n, double kT, double phi_pot, double phi_dpd) {
     if (!(rate > 0.0)) throw std::domain_error("no kinetic viscosity: phi_pot + phi_dpd is not positive");
     return n * kT / (2.0 * rate);
 }
+// [two rates]
 
 double potential_viscosity(Gas const& gas, Soft const& potential, double phi_pot, PairDistribution const& g) {
     require_finite({{"phi_pot", phi_pot}});
@@ -477,12 +515,14 @@ double diffusion_finite_size_correction(double kT, double eta, double L) {
     return cube_constant * kT / (6.0 * std::numbers::pi * eta * L);
 }
 
+// [tail]
 double velocity_autocorrelation_tail(Gas const& gas, double eta, double D, double t) {
     require_positive({{"t", t}});
     unit_sphere_surface(gas.d);  // checks d
     double const spread = 4.0 * std::numbers::pi * mode_diffusivity(gas, eta, D) * t;
     return (gas.d - 1.0) / gas.d * gas.kT / (gas.n * gas.m) * std::pow(spread, -0.5 * gas.d);
 }
+// [tail]
 
 double velocity_autocorrelation_tail_in_box(Gas const& gas, double eta, double D, double L, double t) {
     require_positive({{"L", L}, {"t", t}});
@@ -494,6 +534,7 @@ double velocity_autocorrelation_tail_in_box(Gas const& gas, double eta, double D
     return (gas.d - 1.0) / gas.d * gas.kT / (gas.n * gas.m * std::pow(L, gas.d)) * modes;
 }
 
+// [units]
 double particle_mass(CoarseGraining const& map, double m) {
     require_positive({{"Nm", map.Nm}, {"m", m}});
     return m * map.Nm;
@@ -503,12 +544,14 @@ double cutoff_radius(CoarseGraining const& map) {
     require_positive({{"Nm", map.Nm}, {"n", map.n}, {"n_md", map.n_md}});
     return std::cbrt(map.Nm * map.n / map.n_md);
 }
+// [units]
 
 double length_in_dpd_units(CoarseGraining const& map, double length) {
     require_positive({{"length", length}});
     return length / cutoff_radius(map);
 }
 
+// [conservative coefficient]
 double conservative_coefficient(CoarseGraining const& map, double kT) {
     require_positive({{"Nm", map.Nm},
                       {"n", map.n},
@@ -521,6 +564,7 @@ double conservative_coefficient(CoarseGraining const& map, double kT) {
             "no repulsion: the fluid of the atoms is more compressible than an ideal gas of the particles");
     return kT * excess / (2.0 * map.alpha * map.n);
 }
+// [conservative coefficient]
 
 double atoms_per_particle(CoarseGraining const& map, double a, double kT) {
     require_positive({{"inverse_compressibility", map.inverse_compressibility}});
@@ -528,6 +572,7 @@ double atoms_per_particle(CoarseGraining const& map, double a, double kT) {
            map.inverse_compressibility;
 }
 
+// [time unit]
 double time_unit(CoarseGraining const& map, double eta) {
     require_positive({{"eta", eta}, {"eta_md", map.eta_md}});
     double const rc = cutoff_radius(map);  // checks the densities
@@ -544,29 +589,37 @@ double temperature_in_md_units(CoarseGraining const& map, double eta, double kT)
     require_positive({{"kT", kT}});
     return kT * map.Nm * square(cutoff_radius(map) / time_unit(map, eta));
 }
+// [time unit]
 
+// [mach number]
 double mach_number(CoarseGraining const& map, double eta, double kT, double force, double L) {
     double const u_max = poiseuille_maximum_velocity(map.n, force_in_dpd_units(map, eta, force), eta,
                                                      length_in_dpd_units(map, L));
     double const a = conservative_coefficient(map, kT);
     return u_max / groot_warren_sound_speed({.n = map.n, .kT = kT}, a, map.alpha);
 }
+// [mach number]
 
+// [speed up]
 double speed_up(double Nm) {
     require_positive({{"Nm", Nm}});
     constexpr double soft_potentials = 1000.0;  // PK2006, after Groot & Rabone
     return soft_potentials * std::pow(Nm, 8.0 / 3.0);
 }
+// [speed up]
 
+// [matched friction]
 double matched_friction(double sigma, double kT) {
     require_positive({{"sigma", sigma}, {"kT", kT}});
     return square(sigma) / (2.0 * kT);
 }
+// [matched friction]
 
 double repulsion_constant(Gas const& gas, PairDistribution const& g) {
     return integral_of_force_times_distance(gas, 1.0, g) / (2.0 * gas.d * std::pow(gas.rc, gas.d + 1));
 }
 
+// [pressure]
 double virial_pressure(Gas const& gas, double a, PairDistribution const& g) {
     require_positive({{"n", gas.n}, {"kT", gas.kT}});
     return gas.n * gas.kT + square(gas.n) / (2.0 * gas.d) * integral_of_force_times_distance(gas, a, g);
@@ -576,6 +629,7 @@ double virial_sound_speed(Gas const& gas, double a, PairDistribution const& g) {
     require_positive({{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}});
     return std::sqrt((gas.kT + gas.n / gas.d * integral_of_force_times_distance(gas, a, g)) / gas.m);
 }
+// [pressure]
 
 double groot_warren_pressure(Gas const& gas, double a, double alpha) {
     return gas.n * (gas.kT + groot_warren_energy(gas, a, alpha));
@@ -590,6 +644,7 @@ double groot_warren_sound_speed(Gas const& gas, double a, double alpha) {
     return std::sqrt(gas.kT / gas.m * groot_warren_inverse_compressibility(gas, a, alpha));
 }
 
+// [displacement]
 double diffusion_from_displacement(int d, double msd, double t) {
     require_positive({{"msd", msd}, {"t", t}});
     unit_sphere_surface(d);  // checks d
@@ -601,22 +656,27 @@ double pair_distribution_in_shell(int d, double n, double neighbours, double r_m
     if (!(r_min >= 0.0 && r_min < r_max)) throw std::invalid_argument("r_min must be in [0, r_max)");
     return neighbours / (n * unit_sphere_surface(d) / d * (std::pow(r_max, d) - std::pow(r_min, d)));
 }
+// [displacement]
 
+// [poiseuille]
 double poiseuille_velocity(double n, double force, double eta, double L, double z) {
     require_positive({{"n", n}, {"force", force}, {"eta", eta}});
     require_inside(L, z);
     return n * force / (2.0 * eta) * z * (L - z);
 }
+// [poiseuille]
 
 double poiseuille_maximum_velocity(double n, double force, double eta, double L) {
     return poiseuille_velocity(n, force, eta, L, 0.5 * L);
 }
 
+// [power law]
 double power_law_velocity(double u_max, double index, double L, double z) {
     require_positive({{"u_max", u_max}, {"index", index}});
     require_inside(L, z);
     return u_max * (1.0 - std::pow(std::abs(1.0 - 2.0 * z / L), 1.0 / index + 1.0));
 }
+// [power law]
 
 double schmidt_number(double eta, double n, double m, double D) {
     require_positive({{"eta", eta}, {"n", n}, {"m", m}, {"D", D}});
@@ -645,6 +705,7 @@ double lennard_jones_curvature(LennardJones const& lj, double r) {
     return 24.0 * lj.epsilon * s6 * (26.0 * s6 - 7.0) / square(r);
 }
 
+// [tails]
 double lennard_jones_tail_energy(LennardJones const& lj, double n) {
     auto const [scale, s3] = tail_factors(lj, n);
     return scale * n * s3 * (square(s3) / 3.0 - 1.0);
@@ -659,7 +720,9 @@ double lennard_jones_jump_pressure(LennardJones const& lj, double n) {
     auto const [scale, s3] = tail_factors(lj, n);
     return scale * square(n) * s3 * (square(s3) - 1.0);
 }
+// [tails]
 
+// [equation of state]
 double lennard_jones_pressure(double n, double kT) {
     using namespace kolafa_nezbeda;
     double sum = n * kT * hard_spheres(packing(n, kT));
@@ -669,6 +732,7 @@ double lennard_jones_pressure(double n, double kT) {
         sum += k * factor * std::pow(kT, 0.5 * half_power) * std::pow(n, k + 1);
     return sum;
 }
+// [equation of state]
 
 double lennard_jones_internal_energy(double n, double kT) {
     using namespace kolafa_nezbeda;

@@ -234,6 +234,13 @@ struct CoarseGraining {
     double alpha = 0.101;                    ///< Groot and Warren's constant, see groot_warren_pressure
 };
 
+/// The channel of PK2006 sect. IV, in the atoms' units: its width (sigma) and the force on each atom
+/// (m sigma/tau^2).
+struct Channel {
+    double width = 34.2;
+    double force = 0.0085;
+};
+
 /// Mass of a particle, m Nm. @eq{PK2006,1} Unit that of m, the mass of an atom.
 double particle_mass(CoarseGraining const& map, double m = 1.0);
 

@@ -4,7 +4,7 @@
 Code names its equation in a comment, @eq{PAPER,N}; docs/equations.toml says the rest by hand.
 
 usage: equations.py                every equation has code and a test, or a reason why not; every name exists; every
-                                   line of code that a page of docs/ asks for is there
+                                   line of code that a page asks for is there
        equations.py --write DIR    the same, then writes the page DIR/equations.md
        equations.py --label FILE   prints a page as Doxygen needs it (its filter): labels on the headings of derivations
 
@@ -138,12 +138,12 @@ def all_tests():
     return found
 
 
-# --- code that the pages of docs/ show: Doxygen is silent about \skip and \until that find nothing
+# --- code that the pages show: Doxygen is silent about \skip and \until that find nothing
 
 
 def lost_listings():
-    folders = [ROOT / "src", ROOT / "verification" / "unit", ROOT / "verification" / "scenes"]
-    for page in sorted((ROOT / "docs").glob("*.md")):
+    folders = [ROOT / "src", ROOT / "theory", ROOT / "verification" / "unit", ROOT / "verification" / "scenes"]
+    for page in sorted([*(ROOT / "docs").glob("*.md"), *(ROOT / "theory").glob("*.md")]):
         text, at = "", 0
         for number, line in enumerate(read(page).splitlines()):
             match = re.match(r"\\(dontinclude|skip|until) (.*)", line)

@@ -217,6 +217,64 @@ BOOST_AUTO_TEST_CASE(of_the_keys_that_change_a_scene_the_last_one_counts) {
     BOOST_TEST(figure.points[2].runs[0].shardlow.kT == 3.0);
 }
 
+BOOST_AUTO_TEST_CASE(seeds_of_points_and_runs) {
+    auto const seeds = [](Figure const& figure) {
+        std::vector<std::vector<std::uint64_t>> all;
+        for (auto const& point : figure.points) {
+            all.emplace_back();
+            for (Scene const& scene : point.runs) all.back().push_back(scene.seed);
+        }
+        return all;
+    };
+    using Seeds = std::vector<std::vector<std::uint64_t>>;
+    BOOST_TEST((seeds(load(join(good), "paper")) == Seeds{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}));
+    auto lines = good;
+    lines[5] = "dimension = 2\nseed = 40";
+    lines[21] = "values = [1.0, 4.0]\nset = {seed = 7}";
+    BOOST_TEST((seeds(load(join(lines))) == Seeds{{7, 8}, {7, 8}, {40, 41}}));
+    lines = good;
+    lines[20] = "vary = 'seed'";
+    lines[21] = "values = [3, 10]";
+    Figure const figure = load(join(lines));
+    BOOST_TEST((seeds(figure) == Seeds{{3, 4}, {10, 11}, {1, 2}}));
+    BOOST_TEST(figure.points[1].x == 10.0);
+    // the runs of a point are one scene, and what another seed makes of it
+    Scene const& first = figure.points[0].runs[0];
+    for (std::size_t p : {0u, 1u})
+        for (Scene const& scene : figure.points[p].runs) {
+            BOOST_TEST(scene.text == first.text);
+            BOOST_TEST(scene.key() == parse_scene(first.text, "figure_test", {}, scene.seed).key());
+        }
+    BOOST_TEST(first.key() != figure.points[0].runs[1].key());
+}
+
+BOOST_AUTO_TEST_CASE(a_budget_scales_the_equilibration) {
+    auto lines = good;
+    lines[11] = "time.duration = 4.0\ntime.equilibration = 3.0";
+    Figure const plain = load(join(lines));
+    BOOST_TEST(plain.points[0].runs[0].equilibration_steps == 30u);
+    lines[15] = "duration_scale = 0.5\nequilibration_scale = 1.0";
+    Figure const same = load(join(lines));
+    lines[15] = "duration_scale = 0.5\nequilibration_scale = 0.5";
+    Figure const half = load(join(lines));
+    for (std::size_t p = 0; p < 3; ++p) {
+        Scene const &a = plain.points[p].runs[1], &b = same.points[p].runs[1], &c = half.points[p].runs[1];
+        // a factor of one leaves the text as written, and with it what is in the cache
+        BOOST_TEST(a.text.find("equilibration = 3.0\n") != std::string::npos, a.text);
+        BOOST_TEST(a.text == b.text);
+        BOOST_TEST(a.key() == b.key());
+        BOOST_TEST(c.equilibration_steps == 15u);
+        BOOST_TEST(c.production_steps == 20u);
+        BOOST_TEST(a.key() != c.key());
+    }
+    BOOST_TEST(load(join(lines), "paper").points[0].runs[0].equilibration_steps == 30u);
+    // none stays none
+    lines[11] = good[11];
+    Figure const none = load(join(lines));
+    BOOST_TEST(none.points[0].runs[0].equilibration_steps == 0u);
+    BOOST_TEST(none.points[0].runs[0].key() == load(join(good)).points[0].runs[0].key());
+}
+
 BOOST_AUTO_TEST_CASE(every_theory_is_known) {
     for (char const* theory : {"ng17", "previous", "curve:gas", "quantity:x", "value"})
         BOOST_TEST(complaint(with(25, fmt::format("theory = '{}'", theory))) == "");
@@ -247,6 +305,22 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
         {29, "record = 1", ":29: curve.record: ", {"1", "allowed", "a string"}},
         {29, "record = 'x'\nvary = 'time.step'", ":30: curve.vary: ", {"own x", "allowed", "one"}},
         {29, "record = 'x'\nevery = 0", ":30: curve.every: ", {"0", "allowed", "an integer >= 1"}},
+        {29, "record = 'x'\nvalues = [0.0]", ":30: curve.values: ", {"own x", "allowed: no values"}},
+        {29, "record = 'x'\nvalues = [1.0, 2.0]", ":30: curve.values: ", {"own x", "allowed: no values"}},
+        {29,
+         "record = 'x'\nslope_between = ['gas']",
+         ":30: curve.slope_between: ",
+         {"allowed", "two curves", "lower", "higher"}},
+        {29,
+         "record = 'x'\nslope_between = 'gas'",
+         ":30: curve.slope_between: ",
+         {"gas", "allowed", "a list"}},
+        {29,
+         "record = 'x'\nslope_between = ['gas', 'none']",
+         ": curve bins: slope_between: ",
+         {"there is no curve none"}},
+        {24, "quantity = 'exponent:x'\nworth = 1", ":25: curve.compare.worth: ", {"unknown key"}},
+        {15, "seeds = 2\nequilibration_scale = 0", ":16: budget.quick.equilibration_scale: ", {"0", "> 0"}},
         {29, "record = 'x'\nfrom = 'a'", ":30: curve.from: ", {"allowed", "a finite number"}},
         {29, "record = 'x'\nto = inf", ":30: curve.to: ", {"inf", "allowed", "a finite number"}},
         {29, "record = 'x'\nuntil = 1", ":30: curve.until: ", {"unknown key", "allowed", "to"}},
@@ -272,6 +346,14 @@ BOOST_AUTO_TEST_CASE(every_mistake_gets_one_line) {
             for (auto const& word : mistake.words)
                 BOOST_TEST(message.find(word) != std::string::npos, message << " lacks " << word);
         }
+    auto lines = good;
+    lines[23] = "quantity = 'exponent:kinetic_temperature'";
+    BOOST_TEST(complaint(join(lines)) == "");
+    lines[24] = "theory = 'previous'";
+    std::string const exponent = complaint(join(lines));
+    BOOST_TEST(exponent.starts_with(file + ":25: curve.compare.theory: "), exponent);
+    BOOST_TEST(exponent.find("a slope from the point before") != std::string::npos, exponent);
+    BOOST_TEST(exponent.find('\n') == std::string::npos, exponent);
     BOOST_CHECK_EXCEPTION(load_figure(directory, "none", "quick"), InputError, [](InputError const& error) {
         return std::string(error.what()) == "figure none: unknown; allowed: all, test";
     });
@@ -299,7 +381,8 @@ Figure made_figure(Criterion const& criterion) {
                  .x = x,
                  .runs = {scene("'shardlow', 'drift'", {fmt::format("shardlow.friction={}", x)})},
                  .quantities = {{"q", {.value = 10.0 * x, .error = 0.1 * x, .blocks = 9}},
-                                {"r", {.value = x, .error = 0.5, .blocks = 9}}}});
+                                {"r", {.value = x, .error = 0.5, .blocks = 9}}},
+                 .configuration = {}});
     return figure;
 }
 
@@ -355,7 +438,49 @@ BOOST_AUTO_TEST_CASE(what_a_quantity_is_compared_with) {
     BOOST_TEST(compare(figure)[0].theory == 10.0);
 }
 
+// q is 10 x, r is x^-2 here: exponents 1 and -2 from the point before, errors from both values'.
+BOOST_AUTO_TEST_CASE(exponents_from_the_point_before) {
+    for (bool const of_q : {true, false}) {
+        Figure figure = made_figure(
+            {.quantity = of_q ? "exponent:q" : "exponent:r", .theory = "value", .value = of_q ? 1.0 : -2.0});
+        for (auto& point : figure.points)
+            point.quantities[1].estimate = {.value = std::pow(point.x, -2),
+                                            .error = 0.05 * std::pow(point.x, -1),
+                                            .blocks = point.x > 2.5 ? 4u : 9u};
+        figure.curves[1].criteria = figure.curves[2].criteria = figure.curves[0].criteria;
+        auto const comparisons = compare(figure);
+        // a at 2 and 3, b at 3; c has one point only, and no curve begins with the last one's end
+        BOOST_REQUIRE_EQUAL(comparisons.size(), 3u);
+        for (std::size_t k = 0; k < 3; ++k) {
+            auto const& c = comparisons[k];
+            double const before = k == 1 ? 2.0 : 1.0, x = k == 0 ? 2.0 : 3.0;
+            BOOST_TEST(c.curve == (k == 2 ? "b" : "a"));
+            BOOST_TEST(c.x == x);
+            BOOST_TEST(c.estimate.value == (of_q ? 1.0 : -2.0), tolerance(1e-13));
+            double const relative = of_q ? std::hypot(0.01, 0.01) : std::hypot(0.05 * x, 0.05 * before);
+            BOOST_TEST(c.estimate.error == relative / std::log(x / before), tolerance(1e-13));
+            BOOST_TEST(c.estimate.blocks == (!of_q && x == 3.0 ? 4u : 9u));
+            BOOST_TEST(c.theory == (of_q ? 1.0 : -2.0));
+            BOOST_TEST(c.criterion.quantity == (of_q ? "exponent:q" : "exponent:r"));
+        }
+    }
+    // points in falling order have the same slope and a positive error
+    Figure figure = made_figure({.quantity = "exponent:q", .theory = "quantity:r"});
+    std::swap(figure.points[0], figure.points[2]);
+    auto const falling = compare(figure);
+    BOOST_REQUIRE_EQUAL(falling.size(), 2u);
+    BOOST_TEST(falling[1].estimate.value == 1.0, tolerance(1e-13));
+    BOOST_TEST(falling[1].estimate.error == std::hypot(0.01, 0.01) / std::log(2.0), tolerance(1e-13));
+    BOOST_TEST(falling[1].theory == 1.0);
+    BOOST_TEST(falling[1].theory_error == 0.5);
+    // as tall as theory's: a closed form
+    for (auto const& c : compare(made_figure({.quantity = "exponent:q", .theory = "ng-phi"})))
+        BOOST_TEST(c.theory == 3.0 * c.x * (std::numbers::pi / 3.0) / (3.0 * 2.0), tolerance(1e-12));
+}
+
 BOOST_AUTO_TEST_CASE(what_is_not_measured_cannot_be_compared) {
+    BOOST_TEST(complaint_of_comparing("exponent:s", "value") ==
+               "figure made, curve a: its scene does not measure exponent:s");
     BOOST_TEST(complaint_of_comparing("s", "value") == "figure made, curve a: its scene does not measure s");
     BOOST_TEST(complaint_of_comparing("q", "quantity:s") == "figure made, curve a: no quantity:s at 1");
     BOOST_TEST(complaint_of_comparing("q", "curve:b") == "figure made, curve a: curve:b has no q at 2");
@@ -517,6 +642,51 @@ BOOST_AUTO_TEST_CASE(points_share_runs_and_join_curves) {
     BOOST_TEST(again[0].points[0].seconds + rest[0].seconds == first.seconds, tolerance(1e-12));
 }
 
+BOOST_AUTO_TEST_CASE(points_take_slopes_from_two_densities_and_keep_configurations) {
+    auto const curve = [](std::string const& name, double density, std::string const& more,
+                          std::string const& values = "[5, 10]", std::string const& observable = "pressure") {
+        return fmt::format(
+            "[[curve]]\nname = '{}'\nvary = 'verlet.soft.strength'\nvalues = {}\n{}\n[curve.set]\n"
+            "'stages' = ['shardlow', 'sample', 'verlet']\n'particles.density' = {}\n"
+            "'sample.observables' = ['{}']\n'sample.configuration' = {}\n'particles.mass' = 2\n",
+            name, values, more, density, observable, name == "mid" ? "true" : "false");
+    };
+    std::vector<Figure> figures{load(
+        with_curves(curve("mid", 2.0, "slope_between = ['low', 'high']") + curve("low", 1.5, "") +
+                    curve("high", 2.5, "") + curve("lonely", 2.0, "slope_between = ['low', 'high']", "[7]") +
+                    curve("warm", 2.5, "", "[5]", "kinetic_temperature") +
+                    curve("deaf", 2.0, "slope_between = ['low', 'warm']")))};
+    run_points(figures, {.cache = directory / "cache", .output = directory});
+    auto const& points = figures[0].points;
+    BOOST_REQUIRE_EQUAL(points.size(), 10u);
+    for (std::size_t p : {0u, 1u}) {
+        auto const& [mid, low, high] = std::tie(points[p], points[p + 2], points[p + 4]);
+        Estimate const below = estimate_of(low.quantities, "pressure"),
+                       above = estimate_of(high.quantities, "pressure");
+        BOOST_TEST(above.value > below.value + 1.0);
+        // 24 and 40 particles in 4 x 4; kT is 1, the mass 2
+        double const slope = above.value - below.value, error = std::hypot(above.error, below.error);
+        check_estimate(mid.quantities, "pressure_slope", slope, error, 1e-9);
+        check_estimate(mid.quantities, "inverse_compressibility", slope, error, 1e-9);
+        BOOST_TEST(estimate_of(mid.quantities, "speed_of_sound").value == std::sqrt(0.5 * slope),
+                   tolerance(1e-12));
+        BOOST_TEST((find_quantity(mid.quantities, "inverse_compressibility_per_atom") == nullptr));
+        for (Point const* const other : {&low, &high})
+            BOOST_TEST((find_quantity(other->quantities, "pressure_slope") == nullptr));
+        BOOST_TEST(estimate_of(mid.quantities, "pressure").value != below.value);
+        BOOST_TEST(mid.seconds > low.seconds + high.seconds);
+        // positions of the first run, where they are kept
+        BOOST_REQUIRE_EQUAL(mid.configuration.rows(), 32);
+        BOOST_REQUIRE_EQUAL(mid.configuration.cols(), 2);
+        BOOST_TEST((mid.configuration == run(mid.runs[0]).record.configuration).all());
+        BOOST_TEST(!(mid.configuration == run(mid.runs[1]).record.configuration).all());
+        BOOST_TEST(low.configuration.size() == 0);
+    }
+    // no partner at 7, and a partner without a pressure
+    for (std::size_t p : {6u, 8u, 9u})
+        BOOST_TEST((find_quantity(points[p].quantities, "pressure_slope") == nullptr));
+}
+
 // --- files -----------------------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
@@ -525,6 +695,8 @@ BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
     Figure figure = made_figure({.quantity = "q", .theory = "previous", .relation = Relation::differs});
     figure.directory = directory / "test";
     figure.points[2].quantities[0].estimate.error = NAN;  // a single block
+    figure.points[1].configuration.resize(2, 3);
+    figure.points[1].configuration << 0.5, 1.25, 2.00004, 4.99996, 0.0, 3.0;
     auto const comparisons = compare(figure);
     auto const output = directory / "output";
     if (std::system("command -v gnuplot >/dev/null") == 0)
@@ -538,8 +710,11 @@ BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
     std::string const text = content.str();
     for (std::string const part :
          {"# a:q:previous\n2 20 0.2 10 1 ", "# all:a:q\n1 10 0.1\n2 20 0.2\n3 30 nan\n\n\n",
-          "# all:b:r\n1 1 0.5\n3 3 0.5\n\n\n", "# all:c:q\n5 50 0.5\n\n\n"})
+          "# all:b:r\n1 1 0.5\n3 3 0.5\n\n\n", "# all:c:q\n5 50 0.5\n\n\n",
+          "# configuration:a:2\n# box 5 6 5\n0.5000 1.2500 2.0000 \n5.0000 0.0000 3.0000 \n\n\n"})
         BOOST_TEST(text.find(part) != std::string::npos, part << " is not in\n" << text);
+
+    BOOST_TEST(text.find("# configuration:") == text.rfind("# configuration:"));  // of nobody else
 
     auto const loaded = load_comparisons(output);
     BOOST_REQUIRE_EQUAL(loaded.size(), comparisons.size());

@@ -113,7 +113,7 @@ bool same(Record const& a, Record const& b) {
             !same_array(curve.weight, other.weight))
             return false;
     }
-    return true;
+    return same_array(a.configuration, b.configuration);
 }
 
 bool same(Counters const& a, Counters const& b) {
@@ -274,6 +274,49 @@ BOOST_AUTO_TEST_CASE(stages_that_leave_pairs_to_the_next_step_resume_exactly) {
         BOOST_TEST(same(pieces.record, whole.record), stages);
         BOOST_TEST(same(pieces.counters, whole.counters), stages);
         std::filesystem::remove(file("stopped.h5"));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(bond_order_and_configuration_resume_exactly) {
+    for (std::string const order : {"cell", "random"}) {
+        std::vector<std::string> const assignments{"sample.configuration=true", "sample.bond_order.range=1.1",
+                                                   "sample.bond_order.interval=3", "pairs.order=" + order};
+        Scene const scene = parse_scene(scene_of({3, "shardlow", 0.5, ""}).text, "run_test", assignments, 1);
+        RunResult const whole = run(scene);
+        BOOST_REQUIRE_EQUAL(whole.record.configuration.rows(), 84);
+        BOOST_TEST((whole.record.configuration > 0.0).all());
+        BOOST_TEST(whole.record.series.size() == 4u + 4u);
+        for (std::string const name : {"global_q4", "local_q4", "global_q6", "local_q6"}) {
+            auto const& values = whole.record.series.at(name);
+            BOOST_TEST(values.size() == 14u, name);
+            BOOST_TEST(values.front() != values.back(), name);
+        }
+        RunResult pieces;
+        auto const output = file("stopped.h5");
+        for (std::uint64_t step = 0; !run_on(scene, output, true, &pieces); ++step)
+            if (step == 11) {  // what is sampled so far can be read
+                Archive archive(output, Archive::Mode::read);
+                Eigen::ArrayXXd configuration;
+                std::vector<double> q6;
+                archive("observables/configuration/value", configuration);
+                archive("observables/local_q6/value", q6);
+                BOOST_TEST(configuration.rows() == 84);
+                BOOST_TEST(!same_array(configuration, whole.record.configuration));
+                auto const& all = whole.record.series.at("local_q6");
+                BOOST_TEST(same(q6, {all.begin(), all.begin() + 3}));
+            }
+        BOOST_TEST(same(pieces.record, whole.record));
+        BOOST_TEST(same(pieces.counters, whole.counters));
+        // and from the file alone
+        BOOST_TEST(same(run(scene, {.output = output, .stop = {}, .progress = {}}).record, whole.record));
+        std::filesystem::remove(output);
+        // measuring changes nothing
+        Scene const plain =
+            parse_scene(scene_of({3, "shardlow", 0.5, ""}).text, "run_test", {"pairs.order=" + order}, 1);
+        auto const without = run(plain);
+        for (auto const& [name, values] : without.record.series)
+            BOOST_TEST(same(values, whole.record.series.at(name)), name);
+        BOOST_TEST(without.record.configuration.size() == 0);
     }
 }
 

@@ -7,10 +7,13 @@
 #include <unistd.h>
 
 #include <boost/test/unit_test.hpp>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <string>
+#include <tuple>
+#include <variant>
 #include <vector>
 
 #include "errors.hpp"
@@ -478,6 +481,207 @@ BOOST_AUTO_TEST_CASE(stress_needs_stages_in_order) {
             message("'lowe', 'sample', 'verlet'", "'stress'", {"time.equilibration=" + equilibration}),
             "f.toml:5: time: ", {"no equilibration", "allowed with", "and stress"});
     BOOST_TEST(message("'lowe', 'sample', 'verlet'", "'pressure'") == "");
+}
+
+// --- the map from atoms to DPD ---------------------------------------------------------------------------
+
+namespace {
+
+/// PK2006's channel between walls.
+std::vector<std::string> const mapped{
+    "dimension = 3",                               // 1
+    "stages = ['modified_verlet', 'body_force']",  // 2
+    "[coarse_graining]",                           // 3
+    "atoms_per_particle = 5",                      // 4
+    "length = [34.2, 68.4, 8.55]",                 // 5
+    "force = 0.0085",                              // 6
+    "viscosity = 2.117",                           // 7
+    "[particles]",                                 // 8
+    "density = 3.0",                               // 9
+    "[modified_verlet]",                           // 10
+    "gamma = 45.0",                                // 11
+    "sigma = 3.0",                                 // 12
+    "[modified_verlet.soft]",                      // 13
+    "cutoff = 1.0",                                // 14
+    "[body_force]",                                // 15
+    "opposed = false",                             // 16
+    "[time]",                                      // 17
+    "step = 0.02",                                 // 18
+    "duration = 1.0",                              // 19
+    "[walls]",                                     // 20
+    "thickness = 1.5",                             // 21
+    "[box]",                                       // 22
+};
+
+double strength_of(Scene const& scene) { return std::get<Soft>(scene.potential).strength; }
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_map_gives_lengths_strength_and_force) {
+    using boost::test_tools::tolerance;
+    Scene const scene = parse_scene(join(mapped), "f.toml");
+    // by hand: rc^3 = 5 * 3/0.8; a = kT (15.36 * 5 - 1)/(2 * 0.101 * 3); f tau^2/rc, tau = (eta/3)/(1.97/0.8)
+    // rc^2
+    double const rc = std::cbrt(18.75), tau = 2.117 / 3.0 / 2.4625 * rc * rc;
+    BOOST_TEST(scene.length.size() == 3u);
+    BOOST_TEST(scene.length[0] == 34.2 / rc, tolerance(1e-14));
+    BOOST_TEST(scene.length[1] == 68.4 / rc + 3.0, tolerance(1e-14));  // and the walls
+    BOOST_TEST(scene.length[2] == 8.55 / rc, tolerance(1e-14));
+    BOOST_TEST(scene.wall == 1.5);
+    BOOST_TEST(scene.channel_width() == 68.4 / rc, tolerance(1e-14));
+    BOOST_TEST(scene.particles == 3200u);  // 16000 atoms
+    BOOST_TEST(strength_of(scene) == 0.1 * 75.8 / 0.606, tolerance(1e-13));
+    BOOST_TEST(std::get<Soft>(scene.potential).cutoff == 1.0);
+    BOOST_TEST(scene.body_force.acceleration == 0.0085 * tau * tau / rc, tolerance(1e-13));
+    BOOST_TEST(!scene.body_force.opposed);
+    BOOST_TEST(scene.coarse_graining->atoms_per_particle == 5.0);
+    BOOST_TEST(scene.coarse_graining->force == 0.0085);
+    BOOST_TEST(scene.coarse_graining->viscosity == 2.117);
+
+    auto const with_set = [&](std::vector<std::string> const& assignments) {
+        return parse_scene(join(mapped), "f.toml", assignments);
+    };
+    // eq. 3 is for density 3, whatever this scene's is; kT is the thermostat's; the cutoff may be named
+    BOOST_TEST(strength_of(with_set({"particles.density=2"})) == strength_of(scene));
+    BOOST_TEST(with_set({"particles.density=2"}).particles == 2133u);
+    BOOST_TEST(strength_of(with_set({"particles.kT=9"})) == strength_of(scene));
+    BOOST_TEST(strength_of(with_set({"modified_verlet.gamma=4.5"})) == 10.0 * strength_of(scene),
+               tolerance(1e-13));
+    BOOST_TEST(strength_of(parse_scene(with(14, "", mapped), "f.toml")) == strength_of(scene));
+    // a force on each atom is shared by heavier particles
+    BOOST_TEST(with_set({"particles.mass=4"}).body_force.acceleration == 0.25 * scene.body_force.acceleration,
+               tolerance(1e-14));
+    // an acceleration of one's own in place of force and viscosity; a box in place of lengths, with its walls
+    auto own = mapped;
+    own[5] = own[6] = "";
+    own[15] = "acceleration = -0.7";
+    Scene const plain = parse_scene(join(own), "f.toml");
+    BOOST_TEST(plain.body_force.acceleration == -0.7);
+    BOOST_TEST(plain.coarse_graining->viscosity == 0.0);
+    own[4] = "";
+    own[21] = "[box]\nlength = [5, 9, 4]";
+    Scene const boxed = parse_scene(join(own), "f.toml");
+    BOOST_TEST(boxed.length == (std::vector<double>{5, 9, 4}));
+    BOOST_TEST(boxed.channel_width() == 6.0);
+    BOOST_TEST(strength_of(boxed) == strength_of(scene));
+    // without walls and flow; other thermostats and mover
+    Scene const lowe = parse_scene(
+        "dimension = 3\nstages = ['lowe', 'verlet']\ncoarse_graining = {atoms_per_particle = 1, length = "
+        "[10, 12, 8]}\n"
+        "particles.density = 3\nbox = {}\nlowe = {rate = 25, kT = 0.3}\nverlet.soft = {}\ntime = {step = "
+        "0.02, duration = 1}\n",
+        "f.toml");
+    BOOST_TEST(lowe.length[1] == 12.0 / std::cbrt(3.75), tolerance(1e-14));
+    BOOST_TEST(strength_of(lowe) == 0.3 * 14.36 / 0.606, tolerance(1e-13));
+    BOOST_TEST(lowe.body_force.acceleration == 0.0);
+    // opposed flows share the box
+    auto opposed = mapped;
+    opposed[15] = "opposed = true";
+    opposed[19] = opposed[20] = "";
+    BOOST_TEST(parse_scene(join(opposed), "f.toml").channel_width() == 34.2 / rc, tolerance(1e-14));
+    // without a map nothing of it
+    BOOST_TEST(!parse_scene(join(good), "f.toml").coarse_graining.has_value());
+}
+
+BOOST_AUTO_TEST_CASE(every_mistake_in_a_map_gets_one_line) {
+    std::string const above = "a number > 0";
+    check_mistakes(
+        {
+            {4, "", "3: coarse_graining.atoms_per_particle: ", {"is missing", "allowed", above}},
+            {4, "atoms_per_particle = 0", "4: coarse_graining.atoms_per_particle: ", {"0", "allowed", above}},
+            {4, "atoms_per_particle = -5", "4: coarse_graining.atoms_per_particle: ", {"-5", "allowed"}},
+            // 15.36 N_m < 1: no repulsion; the box is large enough
+            {4, "atoms_per_particle = 0.06", "3: coarse_graining: ", {"no repulsion", "compressible"}},
+            {5, "length = [34.2, 68.4]", "22: box.length: ", {"2 sides", "allowed", "3"}},
+            {5, "length = [34.2, 68.4, 0]", "5: coarse_graining.length: ", {"0", "allowed", above}},
+            {5, "length = [34.2, 68.4, 5]", "5: coarse_graining.length: ", {"too small", "two cutoffs"}},
+            {5, "", "22: box.length: ", {"is missing", "allowed"}},
+            {6, "", "7: coarse_graining.viscosity: ", {"unknown key", "allowed", "force"}},
+            {6, "force = 0", "6: coarse_graining.force: ", {"0", "allowed", above}},
+            {7, "", "3: coarse_graining.viscosity: ", {"is missing", "allowed", above}},
+            {7, "viscosity = 0", "7: coarse_graining.viscosity: ", {"0", "allowed", above}},
+            {7,
+             "viscosity = 1\ntemperature = 1",
+             "8: coarse_graining.temperature: ",
+             {"unknown key", "length"}},
+            {22, "[box]\nlength = [5, 5, 5]", "23: box.length: ", {"coarse_graining", "one of them"}},
+            {14,
+             "strength = 12.5",
+             "14: modified_verlet.soft.strength: ",
+             {"coarse_graining", "one of them"}},
+            {14,
+             "cutoff = 1.1",
+             "13: modified_verlet.soft.strength: ",
+             {"cutoff", "coarse_graining", "one of them"}},
+            {13, "[modified_verlet.lennard_jones]", "3: coarse_graining: ", {"soft potential"}},
+            {12, "sigma = 0.0", "3: coarse_graining: ", {"thermostat", "kT > 0"}},
+            {11, "gamma = 0.0", "3: coarse_graining: ", {"thermostat", "kT > 0"}},
+            {16,
+             "acceleration = 1",
+             "16: body_force.acceleration: ",
+             {"coarse_graining.force", "one of them"}},
+            {2,
+             "stages = ['modified_verlet']",
+             "6: coarse_graining.force: ",
+             {"body_force", "both or neither"}},
+            {1, "dimension = 2", "4: coarse_graining.atoms_per_particle: ", {"three dimensions"}},
+            {21, "thickness = 0.9", "20: walls: ", {"thinner than the cutoff"}},
+        },
+        mapped);
+    // neither force nor acceleration
+    auto neither = mapped;
+    neither[5] = neither[6] = "";
+    check_message(complaint([&] { parse_scene(join(neither), "f.toml"); }),
+                  "f.toml:15: body_force.acceleration: ", {"is missing", "allowed", "a finite number"});
+    // no potential at all, no thermostat at all
+    std::string const head =
+        "dimension = 3\ncoarse_graining = {atoms_per_particle = 1, length = [9, 9, 9]}\nparticles.density = "
+        "3\nbox = {}\n"
+        "time = {step = 0.02, duration = 1}\n";
+    check_message(complaint([&] {
+                      parse_scene(head + "stages = ['shardlow', 'drift']\nshardlow.friction = 1\n", "f.toml");
+                  }),
+                  "f.toml:2: coarse_graining: ", {"soft potential", "verlet or modified_verlet"});
+    check_message(complaint([&] { parse_scene(head + "stages = ['verlet']\nverlet.soft = {}\n", "f.toml"); }),
+                  "f.toml:2: coarse_graining: ", {"thermostat", "kT > 0"});
+    // without a map the strength is asked for, with it a stage's table still is
+    check_message(complaint([&] {
+                      parse_scene(head +
+                                      "stages = ['body_force', 'shardlow', 'verlet']\nverlet.soft = {}\n"
+                                      "shardlow.friction = 1\n",
+                                  "f.toml", {"coarse_graining.force=1", "coarse_graining.viscosity=1"});
+                  }),
+                  "f.toml:1: body_force: ", {"is missing", "allowed", "[body_force]"});
+}
+
+BOOST_AUTO_TEST_CASE(order_and_configuration_are_read_as_written) {
+    auto const set = [](std::vector<std::string> const& assignments) {
+        return parse_scene(join(good), "f.toml", assignments).sample;
+    };
+    auto const plain = set({});
+    BOOST_TEST(!plain.configuration);
+    BOOST_TEST(!plain.bond_order.has_value());
+    auto const all = set({"sample.configuration=true", "sample.bond_order={range=1.3, interval=7}"});
+    BOOST_TEST(all.configuration);
+    BOOST_TEST(all.bond_order->range == 1.3);
+    BOOST_TEST(all.bond_order->interval == 7u);
+    BOOST_TEST(set({"sample.bond_order.range=2"}).bond_order->interval == 100u);
+    for (auto const& [assignment, key, words] :
+         std::vector<std::tuple<std::string, std::string, std::vector<std::string>>>{
+             {"sample.bond_order.interval=2", "sample.bond_order.range: ", {"is missing", "a number > 0"}},
+             {"sample.bond_order.range=0", "sample.bond_order.range: ", {"0", "allowed", "a number > 0"}},
+             {"sample.bond_order.range=2.1", "sample.bond_order.range: ", {"half the shortest box side, 2"}},
+             {"sample.bond_order={range=1, interval=0}", "sample.bond_order.interval: ", {"an integer >= 1"}},
+             {"sample.bond_order={range=1, bins=3}", "sample.bond_order.bins: ", {"unknown key", "interval"}},
+             {"sample.configuration=1", "sample.configuration: ", {"1", "allowed", "true or false"}}}) {
+        auto const message = complaint([&] { set({assignment}); });
+        BOOST_TEST(message.find(key) != std::string::npos, message);
+        check_message(message, "", words);
+    }
+    check_message(complaint([] {
+                      parse_scene(scene_of("'sample', 'drift'"), "f.toml", {"sample.bond_order.range=1"});
+                  }),
+                  "--set ", {"sample.bond_order.range: ", "three dimensions"});
 }
 
 BOOST_AUTO_TEST_CASE(missing_tables) {

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <ostream>
 #include <string>
@@ -311,6 +312,49 @@ BOOST_DATA_TEST_CASE(modified_verlet_without_thermostat_is_verlet,
     BOOST_TEST(plain.stage_stress.kinetic == modified.stage_stress.kinetic, tolerance(1e-9));
     BOOST_TEST(plain.stage_stress.potential == modified.stage_stress.potential, tolerance(1e-9));
     BOOST_TEST(modified.stage_stress.collision == 0.0);
+}
+
+// Without a potential and with lambda = 1/2 it moves the particles as Euler with the new momentum does. Let
+// u_n = v_n - (dt/2m) F_n be the velocity of the drift to x_n. The next drift, to x_n + dt u_(n+1), has
+//     u_(n+1) = v_n + (dt/2m) F_n = u_n + (dt/m) F_n,
+// and as lambda = 1/2 predicts nothing, F_n is friction and noise at x_n with this very u_n: the impulse dt
+// F_n, and its noise sigma dt^(1/2), are those of "euler" in the state (x_n, u_n), followed by "kick" and
+// "drift". The first force alone is another one: it sees v_0, and u_1 = v_0 + (dt/2m) F_0 has got half a
+// kick. So Euler starts from (x_1, u_1), and from step 0: step n-1 of modified Verlet draws the noise of F_n,
+// and step n-1 of Euler uses it. Positions are then the same, and velocities differ by half a kick.
+BOOST_DATA_TEST_CASE(modified_verlet_at_one_half_is_euler_half_a_kick_later,
+                     data::make({0.0, 1.5}) * data::make({"quadratic", "linear"}), sigma, name) {
+    Weight const weight = *weight_from_name(name);
+    double const dt = 0.05, m = 1.3, gamma = 3.0;
+    auto modified = small_gas<3>(0.0, dt, m);
+    ModifiedVerlet<3, Soft> stage;
+    stage.gamma = gamma;
+    stage.sigma = sigma;
+    stage.weight = weight;
+    stage.cutoff = 0.9;
+    stage.lambda = 0.5;
+    modified.stages = {{"modified_verlet", stage}};
+    modified.advance();
+    auto euler = modified;
+    euler.particles.velocity -= 0.5 * dt / m * modified.force;
+    euler.step = 0;
+    euler.stages = {
+        {"euler", EulerImpulses<3>{.gamma = gamma, .sigma = sigma, .weight = weight, .cutoff = 0.9}},
+        {"kick", Kick<3>{}},
+        {"drift", Drift<3>{}}};
+    auto const start = unwrapped(euler);
+    for (int step = 0; step < 40; ++step) {
+        modified.advance();
+        euler.advance();
+        BOOST_TEST((unwrapped(modified) - unwrapped(euler)).abs().maxCoeff() < 1e-11);
+        auto at_half = modified;
+        at_half.particles.velocity -= 0.5 * dt / m * modified.force;
+        check_same_motion(at_half, euler, 1e-11);
+        BOOST_TEST((by_id(modified, modified.particles.velocity) - by_id(euler, euler.particles.velocity))
+                       .abs()
+                       .maxCoeff() > 1e-3);
+    }
+    BOOST_TEST((unwrapped(euler) - start).abs().maxCoeff() > 1.0);
 }
 
 BOOST_AUTO_TEST_CASE(lennard_jones_derivatives_and_shift) {
@@ -1020,6 +1064,73 @@ BOOST_AUTO_TEST_CASE(walls_hold_the_fluid) {
     BOOST_TEST((by_id(simulation, p.position).bottomRows(walls) == at_first).all());
     BOOST_TEST((by_id(simulation, p.velocity).bottomRows(walls) == 0.0).all());
     BOOST_TEST(by_id(simulation, p.velocity).topRows(p.mobile).col(0).mean() > 0.1);  // it flows
+}
+
+// PK2006's fluid at twenty atoms per particle, packed into a corner at first, with walls that repel more than
+// the fluid or not at all: bounce-back alone must hold it.
+BOOST_DATA_TEST_CASE(walls_hold_a_coarse_cold_fluid, data::make({70.7, 0.0}), strength) {
+    auto const parsed =
+        scene("'modified_verlet', 'body_force', 'sample'",
+              {"box.length=[4, 7, 4]", "walls.thickness=1", fmt::format("walls.strength={}", strength),
+               "time.step=0.02", "time.duration=20", "particles.start=dense", "particles.kT=0.1",
+               "body_force.acceleration=0.05", "modified_verlet.gamma=45", "modified_verlet.lambda=0.5",
+               "modified_verlet.soft.strength=50", "sample.profile.bins=28"});
+    std::unique_ptr<Recorder<3>> recorder;
+    auto simulation = build<3>(parsed, [&](Simulation<3>& s) { (*recorder)(s); });
+    recorder = std::make_unique<Recorder<3>>(parsed.sample, simulation);
+    auto const& p = simulation.particles;
+    auto const walls = p.size() - Eigen::Index(p.mobile);
+    Field<3> const at_first = by_id(simulation, p.position).bottomRows(walls);
+    BOOST_TEST(p.mobile == 240u);
+    int bounced = 0;
+    for (int step = 0; step < 2000; ++step) {
+        Field<3> const before = by_id(simulation, p.velocity);
+        simulation.advance();
+        auto const y = by_id(simulation, p.position).col(1).head(p.mobile).eval();
+        if (!((y >= 1.0).all() && (y <= 6.0).all())) BOOST_FAIL("a particle is in the wall at step " << step);
+        std::vector<std::uint32_t> ids(p.id.begin(), p.id.end());
+        std::sort(ids.begin(), ids.end());
+        for (std::size_t k = 0; k < ids.size(); ++k)
+            if (ids[k] != k) BOOST_FAIL("a particle is lost at step " << step);
+        // one near the wall that has turned round
+        auto const v = by_id(simulation, p.velocity).col(1).head(p.mobile).eval();
+        bounced += int(((y < 1.02) && (v > 0.0) && (before.col(1).head(p.mobile) < 0.0)).count());
+    }
+    BOOST_TEST(bounced > (strength > 0.0 ? 0 : 100));
+    BOOST_TEST((by_id(simulation, p.position).bottomRows(walls) == at_first).all());
+    // the same seen by the profile: nobody in the walls (bins of 1/4), everybody between them
+    auto const& density = recorder->record().curves.at("density_profile");
+    for (Eigen::Index block = 0; block < curve_blocks; ++block) {
+        auto const profile = (density.sum.col(block) / density.weight.col(block)).eval();
+        BOOST_TEST((profile.head(4) == 0.0).all());
+        BOOST_TEST((profile.tail(4) == 0.0).all());
+        BOOST_TEST(profile.sum() * (4.0 * 4.0 * 0.25) == 240.0, tolerance(1e-10));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(too_large_a_step_between_walls_ends_in_divergence) {
+    auto const message = [](std::vector<std::string> assignments) {
+        for (char const* more : {"box.length=[4, 7, 4]", "walls.thickness=1", "time.duration=600"})
+            assignments.push_back(more);
+        try {
+            run(scene("'modified_verlet', 'sample'", assignments));
+        } catch (Diverged const& divergence) {
+            return std::string(divergence.what());
+        }
+        return std::string("no divergence");
+    };
+    for (char const* step : {"time.step=0.3", "time.step=2"}) {
+        auto const found = message({"modified_verlet.gamma=45", "modified_verlet.lambda=0.5",
+                                    "particles.kT=0.1", "modified_verlet.soft.strength=50", step});
+        BOOST_TEST(found.starts_with("diverged at step "), found);
+        BOOST_TEST(found.find("time.step") != std::string::npos, found);
+    }
+    // without any force: what flies farther than the wall is thick has gone through it
+    std::vector<std::string> flight{"modified_verlet.gamma=0", "modified_verlet.sigma=0",
+                                    "modified_verlet.soft.strength=0", "particles.kT=25", "time.step=0.5"};
+    BOOST_TEST(message(flight).find("a particle went through a wall") != std::string::npos);
+    flight.back() = "time.step=0.02";
+    BOOST_TEST(message(flight) == "no divergence");
 }
 
 // The force of a wall on a particle, as a sum over its lattice; the fluid-wall coefficient scales it.

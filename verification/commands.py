@@ -1,0 +1,354 @@
+#!/usr/bin/env python3
+"""Runs every command of README.md and of the book, docs/*.md and theory/*.md, in a copy of what a clone holds.
+
+A command is: a line of a fenced sh block; of an indented block that begins with one; an inline span that begins with
+`dpdref `, `ctest `, `cmake `, `python3 verification/` or `sh verification/`. The book's generated pages count, too. A
+command must end with exit code 0 and print something, within a limit of CPU time. RULES lists those that are not run as
+they stand, what runs in their place, and why. Blocks of docs/*.md whose first line is "# file: figure.toml" or
+"# file: plot.gp" become the figure that the page's `dpdref figure ID` draws.
+
+usage: commands.py --build BUILD         all of this; BUILD holds the built program
+       commands.py --build BUILD --tutorial   docs/adding_a_stage.md: without its marked regions the program still
+                                         compiles and refuses the stage, and nothing else of the stage is left
+       commands.py --list                the commands, and what runs in their place
+
+One line per command; exit code 1 if one fails. Python's standard library only.
+"""
+
+import argparse
+import os
+import pathlib
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+CLONE = ("CMakeLists.txt", "CMakePresets.json", "CITATION.cff", "LICENSE", "README.md", "dpdrefConfig.cmake.in",
+         "docs", "figures", "src", "theory", "verification")
+BUILT = ("dpdref", "libdpdref_engine.a", "libdpdref_theory.a")
+BEGINS = re.compile(r"(dpdref|ctest|cmake)\s|(python3|sh) verification/")
+CPU_LIMIT = 30  # seconds per process; no command that runs as it stands needs half of it
+WALL_LIMIT = 900  # for one that waits for something
+
+# (pattern of a whole command, what runs in its place, why). The first that matches counts; \1 is the pattern's group.
+LONG = "takes minutes"
+NAMED = "names a subcommand or a closed form, is no whole command"
+RULES = [
+    # long: `sh verification/fresh.sh` alone prints its usage, which must have the word
+    (r"sh verification/fresh\.sh (\w+)", r"sh verification/fresh.sh 2>&1 | grep -w '\1'",
+     "installs packages and builds everything"),
+    # Definitions are read before the cache is made, here below a file, which fails: no run begins.
+    (r"(dpdref figure (?!ID).*)", r"\1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'",
+     f"{LONG}; reads the definitions only (figure_test runs small ones)"),
+    (r"(dpdref run .* --set time\.duration=5000)", r"\1 --set time.duration=5 --set time.equilibration=1",
+     f"{LONG}; shortened"),
+    (r"(dpdref run .* --set time\.equilibration=500)", r"\1 --set time.equilibration=1 --set time.duration=5",
+     f"{LONG}; shortened"),
+    (r"(dpdref run channel\.toml)", r"\1 --set time.equilibration=1 --set time.duration=1", f"{LONG}; shortened"),
+    # building: this test runs in a build. The copy is configured; its build is that of BUILD.
+    (r"(cmake --preset \w+) -DDPDREF_BENCHMARKS=ON",
+     r"\1 && grep 'DPDREF_BENCHMARKS:BOOL' build/release/CMakeCache.txt",
+     "needs Google Benchmark; the option must exist"),
+    (r"(cmake --build --preset \w+)", r"\1 --target help", f"{LONG}; lists the targets"),
+    (r"(cmake --build build/release) --target docs", r"\1 --target help | grep -w docs",
+     f"{LONG}; the target must exist"),
+    (r"(ctest --preset \w+)", r"\1 -N | grep 'Total Tests: [1-9]'", f"{LONG}; lists the tests"),
+    (r"(ctest -R \S+)", r"\1 -N --test-dir build/release | grep 'Total Tests: [1-9]'",
+     "that test runs beside this one; it must exist"),
+    (r"build/release/dpdref_benchmark", r"grep 'add_executable(dpdref_benchmark' CMakeLists.txt",
+     f"{LONG}, and needs Google Benchmark; must be a target"),
+    (r"(cmake --install build/release --prefix) /usr/local", r"\1 prefix && prefix/bin/dpdref --version",
+     "into the copy"),
+    # placeholders, and names
+    (r"dpdref figure ID\.\.\. \| all \[--budget quick\|paper\] \[--jobs N\]",
+     "dpdref figure my1 --budget paper --jobs 1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'", "syntax"),
+    (r"dpdref theory ID key=value \.\.\.", "dpdref theory ng10 n=3 gamma=9", "syntax"),
+    (r"(dpdref theory) ([\w-]+)", r"\1 | grep '^\2 '", NAMED),
+    (r"(dpdref (?:run|figure))", r"\1 --help", NAMED),
+    (r"dpdref run SCENE\.toml", "dpdref run verification/scenes/ideal_gas_rest.toml", "syntax"),
+    (r"dpdref run --json", "dpdref run verification/scenes/ideal_gas_shear.toml --json --set time.duration=5 "
+     "--set time.equilibration=0", "syntax"),
+]
+
+
+# --- what the pages say
+
+
+def parts_of(line):
+    """a && b as [a, b]; without a comment"""
+    return [part.strip() for part in re.sub(r"\s+# .*$", "", line).split("&&")]
+
+
+def joined(lines):
+    """Lines that end with a backslash with the next one"""
+    return re.sub(r"\\\n\s*", "", "\n".join(lines)).splitlines()
+
+
+def blocks_of(text):
+    """(kind, lines) of a page, in order: kind is sh or another language, indented, text"""
+    kind, lines = "text", []
+    for line in text.splitlines():
+        fence = re.match(r"```\s*(\w*)", line)
+        if kind.startswith("fence "):
+            if fence:
+                yield kind.removeprefix("fence "), lines
+                kind, lines = "text", []
+            else:
+                lines.append(line)
+        elif fence:
+            yield kind, lines
+            kind, lines = "fence " + fence[1], []
+        elif kind == "text" and line.startswith("    ") and not (lines and lines[-1].strip()):
+            yield kind, lines
+            kind, lines = "indented", [line[4:]]
+        elif kind == "indented" and line.strip() and not line.startswith("    "):
+            yield kind, lines
+            kind, lines = "text", [line]
+        else:
+            lines.append(line[4:] if kind == "indented" else line)
+    yield kind, lines
+
+
+def commands_of(text):
+    for kind, lines in blocks_of(text):
+        if kind == "sh" or (kind == "indented" and BEGINS.match(lines[0])):
+            for line in joined(lines):
+                if line.strip() and not line.startswith("#"):
+                    yield from parts_of(line)
+        elif kind == "text":
+            for span in re.findall(r"(?<!`)`([^`]+)`(?!`)", "\n".join(lines)):
+                if BEGINS.match(span):
+                    yield " ".join(span.split())
+
+
+def scene_beside(file, text):
+    """The page's next block, after it names the file, that holds a scene"""
+    after = text[text.index(file):].partition("\n")[2]
+    return next(("\n".join(lines) for kind, lines in blocks_of(after)
+                 if kind not in ("text", "sh") and any(line.startswith("stages =") for line in lines)), None)
+
+
+def files_of_figure(text):
+    """NAME -> contents of the blocks that begin with '# file: NAME'"""
+    return {lines[0].removeprefix("# file:").strip(): "\n".join(lines) + "\n"
+            for kind, lines in blocks_of(text) if kind != "text" and lines and lines[0].startswith("# file:")}
+
+
+def in_place_of(command, own_figures):
+    """(what runs, reason or None)"""
+    figure = re.match(r"dpdref figure ([\w-]+)", command)
+    if figure and figure[1] in own_figures and "paper" not in command:
+        return command, None
+    for pattern, instead, reason in RULES:
+        match = re.fullmatch(pattern, command)
+        if match:
+            return match.expand(instead), reason
+    return command, None
+
+
+def pages(root):
+    return [root / "README.md", *sorted((root / "docs").glob("*.md")), *sorted((root / "theory").glob("*.md"))]
+
+
+def collect(root, generated=()):
+    """[(page, command)] without repetition, scenes {file: text}, figures {id: {file: text}}"""
+    found, scenes, figures = {}, {}, {}
+    for page in [*pages(root), *generated]:
+        text = page.read_text(encoding="utf-8")
+        commands = list(commands_of(text))
+        for command in commands:
+            found.setdefault(command, page.name if page in generated else str(page.relative_to(root)))
+            file = re.match(r"dpdref run (\S+\.toml)", command)
+            if file and not (root / file[1]).exists():
+                scene = scene_beside(file[1], text)
+                if scene:
+                    scenes[file[1]] = scene
+        files = files_of_figure(text)
+        if files:
+            ids = [m[1] for c in commands if (m := re.match(r"dpdref figure ([\w-]+)", c))
+                   and not (root / "verification" / m[1]).exists()]
+            figures[ids[0] if ids else page.stem] = files
+            if not ids:
+                found.setdefault(f"dpdref figure {page.stem} --budget quick", str(page.relative_to(root)))
+    return [(found[command], command) for command in found], scenes, figures
+
+
+# --- running
+
+
+def run(command, root, cpu_limit=CPU_LIMIT):
+    """(None or what went wrong, output)"""
+    def limited():
+        resource.setrlimit(resource.RLIMIT_CPU, (cpu_limit, cpu_limit))
+
+    environment = dict(os.environ, PATH=f"{root}/build/release:{os.environ['PATH']}")
+    try:
+        result = subprocess.run(["sh", "-c", command], cwd=root, env=environment, stdin=subprocess.DEVNULL,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=WALL_LIMIT,
+                                preexec_fn=limited, check=False)
+    except subprocess.TimeoutExpired:
+        return f"no end after {WALL_LIMIT} s", ""
+    if result.returncode in (-9, -24, 137, 152):
+        return f"more than {cpu_limit} s of CPU time: give it a rule in verification/commands.py", result.stdout
+    if result.returncode != 0:
+        return f"exit code {result.returncode}", result.stdout
+    return (None if result.stdout.strip() else "prints nothing"), result.stdout
+
+
+def show(ran, command, page, wrong=None, output=""):
+    print(f"{'FAILED' if wrong else ran}  {page}: {command}" + (f"  [{wrong}]" if wrong else ""), flush=True)
+    if wrong:
+        print("    " + "\n    ".join(output.splitlines()[-15:]), flush=True)
+
+
+def clone(build, root):
+    for name in CLONE:
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, root / name, ignore=shutil.ignore_patterns("__pycache__", "quick"))
+        elif source.exists():
+            shutil.copy(source, root / name)
+    (root / "build" / "release").mkdir(parents=True)
+    for name in BUILT:
+        shutil.copy2(build / name, root / "build" / "release" / name)
+    wrong, output = run("cmake --preset release", root)  # then `cmake --install` and `ctest -N` find what they need
+    if wrong:
+        sys.exit(f"the copy cannot be configured: {wrong}\n{output}")
+    return output
+
+
+def generated_pages(root):
+    """The book's pages that scripts write, as docs/docs.cmake does"""
+    made = root / "made"
+    made.mkdir()
+    for script in (["verification/equations.py", "--write", "made"], ["docs/gallery.py", "made/gallery.md"],
+                   ["verification/claims.py", "--out", "made/claims.md"]):
+        # whether they find mistakes is for the tests equations and claims
+        subprocess.run([sys.executable, "-B", *script], cwd=root, stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL, check=False)
+    return sorted(made.glob("*.md"))
+
+
+def all_commands(root, configured):
+    commands, scenes, figures = collect(root, generated_pages(root))
+    for file, text in scenes.items():
+        (root / file).write_text(text + "\n", encoding="utf-8")
+    for name, files in figures.items():
+        (root / "verification" / name).mkdir()
+        for file, text in files.items():
+            (root / "verification" / name / file).write_text(text, encoding="utf-8")
+    counts = {"ok": 0, "rule": 0, "failed": 0}
+    for page, command in commands:
+        instead, reason = in_place_of(command, figures)
+        wrong, output = run(instead, root)
+        if wrong and "--target docs" in command and "No target docs" in configured:
+            wrong, reason = None, "no Doxygen here, so no target docs"
+        counts["failed" if wrong else "rule" if reason else "ok"] += 1
+        show(f"rule ({reason})" if reason else "ok", command, page, wrong, output)
+    print(f"{len(commands)} commands: {counts['ok']} ran as they stand, {counts['rule']} by a rule, "
+          f"{counts['failed']} failed; {resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime:.0f} s of CPU time")
+    return counts["failed"]
+
+
+# --- the tutorial: docs/adding_a_stage.md
+
+STAGE = "body_force"
+MARKED = {"src/stages.hpp": ["body force"], "src/stages.cpp": ["body force", "body force instances"],
+          "src/scene.cpp": ["body force"], "src/run.cpp": ["body force"]}
+# its entries in lists that the page shows as a whole
+LISTED = [("src/scene.cpp", "stage names"), ("src/scene.cpp", "stage tables")]
+PROJECT = """cmake_minimum_required(VERSION 3.25)
+project(without_stage LANGUAGES CXX)
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_FLAGS "-O0")
+find_package(dpdref REQUIRED)
+add_executable(without_stage {main} src/stages.cpp src/run.cpp src/scene.cpp)
+target_link_libraries(without_stage PRIVATE dpdref::engine)
+"""
+
+
+def region(file, text, name):
+    parts = re.split(rf"^[ ]*// \[{name}\]\n", text, flags=re.M)
+    if len(parts) != 3 or not parts[1].strip():
+        sys.exit(f"{file}: not two lines '// [{name}]' with code between them")
+    return parts
+
+
+def without_stage(root):
+    page = (root / "docs" / "adding_a_stage.md").read_text(encoding="utf-8")
+    for file, names in [*MARKED.items(), *((file, [name]) for file, name in LISTED)]:
+        for name in names:
+            if f"\\snippet {pathlib.Path(file).name} {name}\n" not in page:
+                sys.exit(f"docs/adding_a_stage.md does not show [{name}] of {file}")
+    for file, names in MARKED.items():
+        text = (root / file).read_text(encoding="utf-8")
+        for name in names:
+            before, _, after = region(file, text, name)
+            text = before + after
+        for listed in (name for f, name in LISTED if f == file):
+            before, middle, after = region(file, text, listed)
+            # an entry: "body_force" or {"body_force", ...}, with the comma next to it; the list is one shorter
+            entry = rf'(?:\{{"{STAGE}"[^{{}}]*\}}|"{STAGE}")'
+            middle, found = re.subn(rf"{entry},\s*|,\s*{entry}", "", middle)
+            if found != 1:
+                sys.exit(f"{file}: [{listed}] has {found} entries of {STAGE}")
+            middle = re.sub(r"(std::array<[\w:]+, )(\d+)>", lambda m: f"{m[1]}{int(m[2]) - 1}>", middle)
+            text = before + middle + after
+        (root / file).write_text(text, encoding="utf-8")
+        left = [line.strip() for line in text.splitlines()
+                if re.search(rf'\bBodyForce<|name == "{STAGE}"|read_{STAGE}', line)]
+        if left:
+            sys.exit(f"{file}: of the stage is left, outside of the marked regions: {left[0]}")
+
+
+def tutorial(root, build):
+    wrong, output = run("cmake --install build/release --prefix prefix", root)
+    if wrong:
+        sys.exit(f"cmake --install: {wrong}\n{output}")
+    without_stage(root)
+    main = next((path for path in build.glob("CMakeFiles/dpdref.dir/src/main.cpp.o")), root / "src" / "main.cpp")
+    (root / "CMakeLists.txt").write_text(PROJECT.format(main=main), encoding="utf-8")
+    scene = ("run verification/scenes/ideal_gas_shear.toml --set box.shear_rate=0 --set time.duration=2 "
+             "--set time.equilibration=1 --set body_force.acceleration=0.002 "
+             f"--set 'stages=[\"shardlow\",\"sample\",\"{STAGE}\",\"drift\"]'")
+    failures = 0
+    for command in ("cmake -S . -B stripped -DCMAKE_PREFIX_PATH=$PWD/prefix", "cmake --build stripped",
+                    "stripped/without_stage run verification/scenes/ideal_gas_shear.toml --set time.duration=2",
+                    f"stripped/without_stage {scene} >refused 2>&1; "
+                    f"[ $? -eq 2 ] && grep 'stages: .{STAGE}. is not allowed' refused",
+                    f"dpdref {scene}"):
+        wrong, output = run(command, root, cpu_limit=10 * CPU_LIMIT)  # compiles
+        show("ok", command, "docs/adding_a_stage.md", wrong, output)
+        failures += bool(wrong)
+        if wrong and command.startswith("cmake"):
+            break
+    return failures
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", metavar="BUILD", type=pathlib.Path, help="folder of the built program")
+    parser.add_argument("--tutorial", action="store_true", help="the tutorial in place of the commands")
+    parser.add_argument("--list", action="store_true", help="list the commands of README.md, docs/ and theory/")
+    options = parser.parse_args(arguments)
+    if options.list:
+        commands, _, figures = collect(ROOT)
+        for page, command in commands:
+            instead, reason = in_place_of(command, figures)
+            print(f"{page}: {command}" + (f"\n    runs: {instead}\n    why: {reason}" if reason else ""))
+        return 0
+    if not options.build:
+        parser.error("--build BUILD")
+    with tempfile.TemporaryDirectory() as scratch:
+        root = pathlib.Path(scratch).resolve()
+        build = options.build.resolve()
+        configured = clone(build, root)
+        return 1 if (tutorial(root, build) if options.tutorial else all_commands(root, configured)) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
