@@ -126,8 +126,13 @@ theory::CoarseGraining map_of(Scene const& scene) {
     return {.Nm = scene.coarse_graining->atoms_per_particle};
 }
 
+// Whether the sides are given in the atoms' units; they are then those of the fluid.
+bool has_mapped_sides(Scene const& scene) {
+    return scene.coarse_graining && !scene.coarse_graining->length.empty();
+}
+
 void read_box(Scene& scene, TomlReader reader) {
-    bool const mapped = scene.coarse_graining && !scene.coarse_graining->length.empty();
+    bool const mapped = has_mapped_sides(scene);
     if (mapped && reader.has("length"))
         reader.fail("length", "is also in coarse_graining; allowed: one of them");
     scene.length = mapped ? scene.coarse_graining->length : reader.numbers("length", std::nullopt, positive);
@@ -143,8 +148,7 @@ void read_box(Scene& scene, TomlReader reader) {
 void read_walls(Scene& scene, TomlReader reader) {
     scene.wall = reader.number("thickness", std::nullopt, positive);
     if (reader.has("strength")) scene.wall_strength = reader.number("strength", std::nullopt, non_negative);
-    // there the sides are those of the fluid
-    if (scene.coarse_graining && !scene.coarse_graining->length.empty()) scene.length[1] += 2.0 * scene.wall;
+    if (has_mapped_sides(scene)) scene.length[1] += 2.0 * scene.wall;
     if (2.0 * scene.wall >= scene.length[1])
         reader.fail("thickness",
                     fmt::format("{} leaves no fluid between the walls; allowed: less than half of "
@@ -476,7 +480,7 @@ Scene read_scene(toml::table const& table, std::string const& name) {
         root.fail("stages", fmt::format("is empty; allowed: {}", fmt::join(stage_names, ", ")));
     if (auto reader = root.table("coarse_graining")) read_coarse_graining(scene, *reader);
     toml::table const no_table;
-    bool const mapped = scene.coarse_graining && !scene.coarse_graining->length.empty();
+    bool const mapped = has_mapped_sides(scene);
     read_box(scene, mapped && !root.has("box") ? TomlReader(no_table, "box.", name) : required("box"));
     if (auto reader = root.table("walls")) read_walls(scene, *reader);
     read_particles(scene, required("particles"));
