@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 
 namespace dpd {
 
 std::string duration_text(double seconds) {
+    if (!std::isfinite(seconds)) return "unknown";
     if (seconds < 10.0) return fmt::format("{:.1f} s", seconds);
     auto const whole = static_cast<long>(seconds + 0.5);
     if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
