@@ -459,8 +459,9 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, Add&& a
     add("poiseuille_viscosity", over(velocities, true, [&](Eigen::VectorXd const& u) {
             return n * force / (2.0 * fit(parabola.leftCols(1), u)[0]);
         }));
-    add("maximum_velocity",
-        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).maximum; }));
+    Estimate const fastest =
+        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).maximum; });
+    add("maximum_velocity", fastest);
     add("power_law_index",
         over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).index; }));
     add("slip", over(velocities, true, [&](Eigen::VectorXd const& u) {
@@ -484,16 +485,18 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, Add&& a
     add("navier_stokes_deviation", over(velocities, true, [&](Eigen::VectorXd const& u) {
             return std::sqrt((u - expected).squaredNorm() / double(size)) / maximum;
         }));
-    add("navier_stokes_ratio", over(velocities, true, [&](Eigen::VectorXd const& u) {
-            return fit_power_law(z, u, width).maximum / maximum;
-        }));
-    add("mach_number", over(velocities, true, [&](Eigen::VectorXd const& u) {
-            theory::CoarseGraining const map{.Nm = scene.coarse_graining->atoms_per_particle};
-            double const kT = scene.thermostat_kT();
-            return fit_power_law(z, u, width).maximum /
-                   theory::groot_warren_sound_speed({.n = n, .m = scene.mass, .kT = kT},
-                                                    theory::conservative_coefficient(map, kT), map.alpha);
-        }));
+    auto const fastest_over = [&](double speed) {
+        Estimate ratio = fastest;
+        ratio.value /= speed;
+        ratio.error /= speed;
+        return ratio;
+    };
+    add("navier_stokes_ratio", fastest_over(maximum));
+    theory::CoarseGraining const map{.Nm = scene.coarse_graining->atoms_per_particle};
+    double const kT = scene.thermostat_kT();
+    add("mach_number",
+        fastest_over(theory::groot_warren_sound_speed({.n = n, .m = scene.mass, .kT = kT},
+                                                      theory::conservative_coefficient(map, kT), map.alpha)));
 }
 
 // What theory makes of a measured g(r): the relaxation rate of friction, the collision viscosity, and the
