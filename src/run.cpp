@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 
 #include "stages.hpp"
 #include "storage.hpp"
@@ -71,7 +72,16 @@ Stage<d> make_stage(Scene const& scene, std::string const& name,
                 stage.weight = p.weight;
                 stage.cutoff = p.cutoff;
                 stage.lambda = p.lambda;
+                stage.friction_again = p.friction_again;
                 return {name, stage};
+            },
+            scene.potential);
+    if (name == "force" || name == "half_kick")
+        return std::visit(
+            [&](auto const& potential) -> Stage<d> {
+                using Potential = std::decay_t<decltype(potential)>;
+                if (name == "force") return {name, ForceImpulses<d, Potential>{.potential = potential}};
+                return {name, HalfKick<d, Potential>{.potential = potential}};
             },
             scene.potential);
     if (name == "euler") {
@@ -85,6 +95,7 @@ Stage<d> make_stage(Scene const& scene, std::string const& name,
     }
     if (name == "kick") return {name, Kick<d>{}};
     if (name == "drift") return {name, Drift<d>{}};
+    if (name == "half_drift") return {name, HalfDrift<d>{}};
     if (name == "scatter") return {name, Scatter<d>{}};
     return {name, [sample](Simulation<d>& simulation, NoiseKey) {
                 if (sample) sample(simulation);
@@ -499,6 +510,53 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, Add&& a
                                                       theory::conservative_coefficient(map, kT), map.alpha)));
 }
 
+// The mean square of a stress summed over a window of time, for every start of it and each eighth of the
+// series: <G^2>, G(t) = dt sum of sigma. It grows as 2 kT eta t/V once t exceeds the memory of the stress.
+std::vector<double> mean_square_impulse(std::vector<double> const& stress, double dt, std::size_t window) {
+    std::vector<double> means;
+    std::size_t const length = stress.size() / curve_blocks;
+    for (std::size_t block = 0; block < curve_blocks && length > window; ++block) {
+        auto const from = stress.begin() + std::ptrdiff_t(block * length);
+        double impulse = dt * std::accumulate(from, from + std::ptrdiff_t(window), 0.0), sum = 0.0;
+        std::size_t const origins = length - window;
+        for (std::size_t k = 0; k < origins; ++k) {
+            sum += impulse * impulse;
+            impulse += dt * (from[std::ptrdiff_t(k + window)] - from[std::ptrdiff_t(k)]);
+        }
+        means.push_back(sum / double(origins));
+    }
+    return means;
+}
+
+// The stress that all of the fluid carries, the pairs' noise included, at each step of a run.
+std::vector<double> total_stress(Record const& record) {
+    std::vector<double> total = record.series.at("kinetic_stress");
+    for (char const* name : {"collision_stress", "potential_stress"})
+        if (auto const part = record.series.find(name); part != record.series.end())
+            for (std::size_t k = 0; k < total.size(); ++k) total[k] += part->second[k];
+    return total;
+}
+
+// The shear viscosity of a fluid at rest from the growth of <G^2> over the second half of the window. The
+// stress counts whole impulses, noise too, so that it is the momentum that crosses planes in a step and no
+// term has to be added by hand, as it has to where forces are sampled at an instant (M. H. Ernst & R. Brito,
+// Europhys. Lett. 73 (2006) 183). E. Helfand, Phys. Rev. 119 (1960) 1.
+// [green kubo]
+Estimate green_kubo_viscosity(Scene const& scene, std::vector<Record> const& records) {
+    std::size_t const window = scene.sample.green_kubo_window;
+    double const per_time = scene.volume() / (scene.thermostat_kT() * double(window) * scene.time_step);
+    std::vector<double> values;
+    for (auto const& record : records) {
+        auto const stress = total_stress(record);
+        auto const whole = mean_square_impulse(stress, scene.time_step, window),
+                   half = mean_square_impulse(stress, scene.time_step, window / 2);
+        for (std::size_t block = 0; block < whole.size(); ++block)
+            values.push_back((whole[block] - half[block]) * per_time);
+    }
+    return independent(values);
+}
+// [green kubo]
+
 // What theory makes of a measured g(r): the relaxation rate of friction, the collision viscosity, and the
 // potential viscosity that goes with a relaxation rate of one. @eq{NG2007,12} @eq{NG2007,14} @eq{NG2007,16}
 template <class Add>
@@ -622,6 +680,7 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
         add("collision_stress", combine(collision));
         add("potential_stress", combine(potential));
     }
+    if (scene.sample.green_kubo_window > 0) add("green_kubo_viscosity", green_kubo_viscosity(scene, records));
     if (scene.shear_rate != 0.0)
         add("profile_slope",
             by_block(curves_of(records, "velocity_profile"), [&](auto const& curve, auto const& mean) {

@@ -12,6 +12,9 @@
 
 namespace dpd {
 
+/// Number of blocks in which curves are kept.
+inline constexpr Eigen::Index curve_blocks = 8;
+
 /// A time correlation: how far apart its points are, how many there are, how often it starts anew. Steps.
 struct CorrelationParameters {
     std::uint64_t spacing = 1;
@@ -48,7 +51,8 @@ struct SampleParameters {
     bool potential_energy = false;
     bool pressure = false;
     bool configurational_temperature = false;
-    bool configuration = false;  ///< the positions at the last sample
+    bool configuration = false;           ///< the positions at the last sample
+    std::uint64_t green_kubo_window = 0;  ///< steps over which stress is summed for the viscosity; 0: none
     int components = 0;  ///< of displacements and velocities that tell of diffusion: the last so many axes
     std::optional<ProfileParameters> profile;
     std::optional<RadialDistributionParameters> radial_distribution;
@@ -67,9 +71,6 @@ struct Curve {
     /// Block means of one bin; blocks without data are left out.
     std::vector<double> block_means(Eigen::Index bin) const;
 };
-
-/// Number of blocks in which curves are kept.
-inline constexpr Eigen::Index curve_blocks = 8;
 
 /// What was measured so far: scalars by name, one value per sample, and curves by name.
 struct Record {

@@ -90,9 +90,9 @@ void override_key(toml::table& table, std::string const& assignment, std::string
 namespace {
 
 // [stage names]
-constexpr std::array<std::string_view, 11> stage_names{"shardlow",   "lowe",    "euler",           "kick",
-                                                       "drift",      "verlet",  "modified_verlet", "rescale",
-                                                       "body_force", "scatter", "sample"};
+constexpr std::array<std::string_view, 14> stage_names{
+    "shardlow",   "lowe",   "euler",           "force",   "kick",       "half_kick", "drift",
+    "half_drift", "verlet", "modified_verlet", "rescale", "body_force", "scatter",   "sample"};
 // [stage names]
 constexpr std::array<std::string_view, 7> observable_names{
     "kinetic_temperature",        "momentum", "stress", "friction_stress", "potential_energy", "pressure",
@@ -262,6 +262,7 @@ void read_modified_verlet(Scene& scene, TomlReader& reader) {
     p.cutoff = reader.number("cutoff", 1.0, positive);
     p.weight = read_weight(reader, "weight", "quadratic");
     p.lambda = reader.number("lambda", 0.5, non_negative);
+    p.friction_again = reader.boolean("friction_again", false);
     read_potential(scene, reader);
 }
 
@@ -300,8 +301,10 @@ struct StageTable {
 };
 
 // The stages that have parameters.
-constexpr std::array<StageTable, 7> stage_tables{
+constexpr std::array<StageTable, 9> stage_tables{
     {{"modified_verlet", " with at least gamma, sigma and a potential", read_modified_verlet},
+     {"force", " with a potential", read_potential},
+     {"half_kick", " with a potential", read_potential},
      {"shardlow", " with at least friction", read_shardlow},
      {"lowe", " with at least rate", read_lowe},
      {"euler", " with at least gamma and sigma", read_euler},
@@ -327,8 +330,7 @@ void read_stage_parameters(Scene& scene, TomlReader& root) {
 void set_coarse_graining(Scene& scene, TomlReader const& root) {
     auto const& map = *scene.coarse_graining;
     auto* const soft = std::get_if<Soft>(&scene.potential);
-    if (!scene.has_potential() || !soft)
-        root.fail("coarse_graining", "is for the soft potential of verlet or modified_verlet");
+    if (!scene.has_potential() || !soft) root.fail("coarse_graining", "is for a soft potential");
     double const kT = scene.thermostat_kT();
     if (kT == 0.0) root.fail("coarse_graining", "needs a thermostat with kT > 0");
     try {
@@ -396,6 +398,18 @@ void read_sample(Scene& scene, TomlReader reader) {
         check_range(scene, *table, sample.bond_order->range);
         table->finish();
     }
+    if (auto table = reader.table("green_kubo")) {
+        double const window = table->number("window", std::nullopt, positive);
+        table->finish();
+        sample.green_kubo_window = 2 * std::max<std::uint64_t>(1, steps_of(0.5 * window, scene.time_step));
+        if (!sample.stress || sample.interval != 1 || scene.flows() || scene.wall > 0.0)
+            reader.fail("green_kubo",
+                        "needs every step's stress of a fluid at rest; allowed: observables with \"stress\", "
+                        "interval 1, no flow, no walls");
+        if (sample.green_kubo_window * curve_blocks > scene.production_steps)
+            reader.fail("green_kubo",
+                        fmt::format("has a window of {}; allowed: an eighth of time.duration", window));
+    }
     sample.components = diffusing_components(scene);
     if (auto table = reader.table("mean_square_displacement"))
         sample.mean_square_displacement = read_correlation(scene, *table);
@@ -413,6 +427,7 @@ void read_pairs(Scene& scene, TomlReader reader) {
 }
 
 constexpr std::array<std::string_view, 3> pair_thermostats{"shardlow", "lowe", "euler"};
+constexpr std::array<std::string_view, 4> potential_stages{"force", "half_kick", "verlet", "modified_verlet"};
 
 // Stages that hand something on need an order.
 void check_stages(Scene const& scene, TomlReader const& root) {
@@ -423,11 +438,22 @@ void check_stages(Scene const& scene, TomlReader const& root) {
     bool const has_pair_thermostat = count > 0;
     if (scene.sample.stress && count > 1)
         root.fail("stages", "have several pair thermostats; allowed with stress: one");
-    auto const movers = std::count_if(scene.stages.begin(), scene.stages.end(), [](std::string const& stage) {
-        return stage == "drift" || stage == "verlet" || stage == "modified_verlet";
-    });
+    auto const number_of = [&](std::string_view stage) {
+        return std::count(scene.stages.begin(), scene.stages.end(), stage);
+    };
+    auto const half_drifts = number_of("half_drift"), half_kicks = number_of("half_kick");
+    auto const movers =
+        number_of("drift") + number_of("verlet") + number_of("modified_verlet") + half_drifts / 2;
     if (scene.has_potential() && movers > 1)
-        root.fail("stages", "move the particles twice; allowed: one of drift, verlet and modified_verlet");
+        root.fail("stages",
+                  "move the particles twice; allowed: one of drift, verlet, modified_verlet and a "
+                  "pair of half_drift");
+    if (half_drifts % 2 != 0 || half_drifts > 2 || half_kicks % 2 != 0 || half_kicks > 2)
+        root.fail("stages", "have an odd half_drift or half_kick; allowed: two of each, or none");
+    if (std::count_if(potential_stages.begin(), potential_stages.end(),
+                      [&](std::string_view stage) { return number_of(stage) > 0; }) > 1)
+        root.fail("stages", fmt::format("have several that hold a potential; allowed: one of {}",
+                                        fmt::join(potential_stages, ", ")));
     if (scene.has_potential() && scene.sample.stress && scene.equilibration_steps == 0)
         root.fail("time", "has no equilibration; allowed with a potential and stress: at least one step");
     if (scene.sample.friction_stress && !scene.has_stage("shardlow") && !scene.has_stage("lowe") &&
@@ -449,11 +475,21 @@ void check_stages(Scene const& scene, TomlReader const& root) {
                                            "behind; allowed: thickness at least {0}",
                                            scene.cutoff()));
     }
-    bool impulses_wait = false, impulses_at_positions = false;
+    bool impulses_wait = false, impulses_at_positions = false, sampled = false, moved = false;
     for (auto const& stage : scene.stages) {
         if (stage == "euler") impulses_wait = true;
+        if (stage == "force" && (!impulses_wait || moved))
+            root.fail("stages",
+                      "has no euler before force, or moves between them; allowed: euler, then force");
+        if (scene.sample.stress && (stage == "half_drift" || (stage == "half_kick" && (sampled || moved))))
+            root.fail("stages",
+                      "has no place where a whole step's stress is known; allowed with stress: half_kick, a "
+                      "thermostat, half_kick, sample, drift");
+        sampled |= stage == "sample";
+        moved |= stage == "drift" || stage == "half_drift";
         if (is_pair_thermostat(stage)) impulses_at_positions = true;
-        if (stage == "drift" || stage == "verlet" || stage == "modified_verlet" || stage == "scatter")
+        if (stage == "drift" || stage == "half_drift" || stage == "verlet" || stage == "modified_verlet" ||
+            stage == "scatter")
             impulses_at_positions = false;
         if (stage == "kick" && !impulses_wait) root.fail("stages", "has a kick but no euler before it");
         if (stage == "sample" && scene.sample.stress && has_pair_thermostat && !impulses_at_positions)
@@ -526,6 +562,11 @@ double Scene::volume() const {
 
 bool Scene::has_stage(std::string const& name) const {
     return std::find(stages.begin(), stages.end(), name) != stages.end();
+}
+
+bool Scene::has_potential() const {
+    return std::any_of(potential_stages.begin(), potential_stages.end(),
+                       [this](std::string_view stage) { return has_stage(std::string(stage)); });
 }
 
 double Scene::fluid_volume() const { return volume() * (1.0 - 2.0 * wall / length[1]); }

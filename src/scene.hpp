@@ -41,6 +41,7 @@ struct BodyForceParameters {
 
 struct ModifiedVerletParameters {
     double gamma = 4.5, sigma = 3.0, cutoff = 1.0, lambda = 0.5;
+    bool friction_again = false;
     Weight weight = Weight::quadratic;
 };
 
@@ -80,7 +81,7 @@ struct Scene {
     std::optional<CoarseGrainingParameters> coarse_graining;
     std::uint64_t substeps = 1;  ///< of the stage "verlet"
     ModifiedVerletParameters modified_verlet;
-    AnyPotential potential;  ///< of "verlet" or "modified_verlet"
+    AnyPotential potential;  ///< of the stage that knows one
     Start start = Start::random;
     double time_step = 0.0;
     std::uint64_t equilibration_steps = 0;
@@ -103,7 +104,7 @@ struct Scene {
     std::uint64_t steps() const { return equilibration_steps + production_steps; }
     bool has_stage(std::string const& name) const;
     bool flows() const { return shear_rate != 0.0 || has_stage("body_force"); }  ///< along x
-    bool has_potential() const { return has_stage("verlet") || has_stage("modified_verlet"); }
+    bool has_potential() const;    ///< whether a stage knows a conservative force
     double cutoff() const;         ///< the longest of the scene's pair interactions; 0 without any
     double thermostat_kT() const;  ///< the highest that a thermostat of the scene is set to; 0 without any
 

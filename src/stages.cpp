@@ -214,6 +214,25 @@ void Kick<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
 }
 
 template <int d, class Potential>
+void ForceImpulses<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const {
+    simulation.momentum_change += simulation.time_step * forces(simulation, potential);
+    simulation.stage_stress.potential = -simulation.pair_virials.potential / simulation.box.volume();
+}
+
+template <int d, class Potential>
+void HalfKick<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const {
+    double const kick = 0.5 * simulation.time_step / simulation.particles.mass;
+    simulation.particles.velocity += kick * forces(simulation, potential);
+    simulation.stage_stress.potential = -simulation.pair_virials.potential / simulation.box.volume();
+}
+
+template <int d>
+void HalfDrift<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
+    double const half = 0.5 * simulation.time_step;
+    stream(simulation, half, std::round(simulation.time / half + 1.0) * half);
+}
+
+template <int d, class Potential>
 void Verlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const {
     auto& particles = simulation.particles;
     auto const& box = simulation.box;
@@ -244,7 +263,7 @@ template <int d, class Potential>
 void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseKey key) const {
     auto& pairs = simulation.pairs();
     auto& particles = simulation.particles;
-    double const* const noise = draw_pair_noise(simulation, pairs, key);
+    double* const noise = draw_pair_noise(simulation, pairs, key);
     double const strength = sigma / std::sqrt(simulation.time_step);
     double const per_cutoff = 1.0 / cutoff;
     simulation.force.setZero(particles.size(), d);
@@ -281,12 +300,47 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
             virials.potential += conservative * arm;
             virials.friction += friction * arm;
             virials.thermostat += thermal * arm;
+            if (friction_again) noise[k] = friction;  // to be replaced
         });
     });
     if (walls) forget_wall_forces(simulation, simulation.force);
     simulation.counters.potential_evaluations += pairs.count;
     simulation.pair_virials = virials;
     simulation.forces_found();
+}
+
+// Puts the friction of the present velocities in the place of that which find_forces left.
+template <int d, class Potential>
+void ModifiedVerlet<d, Potential>::find_friction_again(Simulation<d>& simulation) const {
+    auto& pairs = simulation.pairs();
+    auto const& particles = simulation.particles;
+    double const* velocity[d];
+    double* force[d];
+    for (int axis = 0; axis < d; ++axis) {
+        velocity[axis] = particles.velocity.col(axis).data();
+        force[axis] = simulation.force.col(axis).data();
+    }
+    double added = 0.0;
+    with_weight(weight, [&]<Weight w>() {
+        for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
+            double const r = pairs.distance[k], x = r / cutoff;
+            if (x >= 1.0) return;
+            double e[d];
+            for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
+            auto const i = pairs.i[k], j = pairs.j[k];
+            double const friction = -gamma * weight_at<w>(x) * approach<d>(velocity, i, j, e, image_speed);
+            double const change = friction - pairs.impulse[k];
+            for (int axis = 0; axis < d; ++axis) {
+                force[axis][i] += change * e[axis];
+                force[axis][j] -= change * e[axis];
+            }
+            added += change * e[0] * e[1] * r;
+        });
+    });
+    if (particles.has_walls()) forget_wall_forces(simulation, simulation.force);
+    simulation.pair_virials.friction += added;
+    simulation.pair_virials.thermostat += added;
+    simulation.counters.pair_updates += pairs.count;
 }
 
 template <int d, class Potential>
@@ -321,6 +375,7 @@ void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKe
     stress.collision = average(&PairVirials::thermostat);
     stress.friction = average(&PairVirials::friction);
     stress.streamed = true;
+    if (friction_again) find_friction_again(simulation);
 }
 
 // [body force]
@@ -346,6 +401,16 @@ template struct EulerImpulses<2>;
 template struct EulerImpulses<3>;
 template struct Kick<2>;
 template struct Kick<3>;
+template struct HalfDrift<2>;
+template struct HalfDrift<3>;
+template struct ForceImpulses<2, Soft>;
+template struct ForceImpulses<3, Soft>;
+template struct ForceImpulses<2, LennardJones>;
+template struct ForceImpulses<3, LennardJones>;
+template struct HalfKick<2, Soft>;
+template struct HalfKick<3, Soft>;
+template struct HalfKick<2, LennardJones>;
+template struct HalfKick<3, LennardJones>;
 template struct Verlet<2, Soft>;
 template struct Verlet<3, Soft>;
 template struct Verlet<2, LennardJones>;

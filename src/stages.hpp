@@ -68,6 +68,29 @@ struct Kick {
     void operator()(Simulation<d>& simulation, NoiseKey) const;
 };
 
+/// The Euler impulses of a conservative force, F dt, added to what waits for the kick: with EulerImpulses
+/// before it, all forces of MY1997 eq. 2 from the state at the start of the step. @eq{MY1997,2}
+template <int d, class Potential>
+struct ForceImpulses {
+    Potential potential;
+    void operator()(Simulation<d>& simulation, NoiseKey) const;
+};
+
+/// v += F dt/(2m) of a conservative force: B/2 of splitting integrators. [half_kick, drift, half_kick] is
+/// Verlet; [half_drift, half_kick, shardlow, half_kick, half_drift] with the exponential scheme is ABOBA
+/// (X. Shang, SIAM J. Sci. Comput. 43 (2021) A1929).
+template <int d, class Potential>
+struct HalfKick {
+    Potential potential;
+    void operator()(Simulation<d>& simulation, NoiseKey) const;
+};
+
+/// Free streaming for half a step: A/2 of splitting integrators.
+template <int d>
+struct HalfDrift {
+    void operator()(Simulation<d>& simulation, NoiseKey) const;
+};
+
 /// Velocity-Verlet with a conservative force, in `substeps` inner steps: the multiple time steps of NG2007,
 /// whose thermostat acts once per (outer) step. Leaves the forces at the new positions for the next step.
 template <int d, class Potential>
@@ -78,7 +101,9 @@ struct Verlet {
 };
 
 /// DPD with all forces at once, by the modified velocity-Verlet of Groot & Warren (1997): friction sees the
-/// velocities predicted for the end of the step, v + lambda dt F/m. PK2006 sect. III, lambda = 1/2.
+/// velocities predicted for the end of the step, v + lambda dt F/m. PK2006 sect. III, lambda = 1/2, which is
+/// plain velocity-Verlet. With `friction_again` the friction is found once more from the final velocities,
+/// for the next half kick: DPD-VV (G. Besold et al., Phys. Rev. E 62 (2000) R7611).
 template <int d, class Potential>
 struct ModifiedVerlet {
     Potential potential;
@@ -87,10 +112,12 @@ struct ModifiedVerlet {
     Weight weight = Weight::quadratic;  ///< omega_D; omega_R is its root
     double cutoff = 1.0;
     double lambda = 0.5;
+    bool friction_again = false;
     void operator()(Simulation<d>& simulation, NoiseKey key) const;
 
 private:
     void find_forces(Simulation<d>& simulation, NoiseKey key) const;
+    void find_friction_again(Simulation<d>& simulation) const;
 };
 
 // [body force]
