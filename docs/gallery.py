@@ -52,6 +52,8 @@ def main():
         else:
             lines += ["Not yet drawn at the paper's fidelity.", ""]
         lines += [plain(figure["caption"]), "", f"Draw it: `dpdref figure {name}`"]
+        if (ROOT / "figures" / f"{name}.convergence.svg").is_file():
+            lines += ["", "Error against run time:", "", f"\\image html {name}.convergence.svg"]
     pathlib.Path(sys.argv[1]).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -288,16 +288,13 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
 
 namespace {
 
-// A measured curve as points, one per bin that is asked for.
-void append_bins(std::vector<Point>& points, FigureCurve const& curve, Point const& run,
+// A measured curve as points, one per bin that is asked for. False if there is none.
+bool append_bins(std::vector<Point>& points, FigureCurve const& curve, Point const& run,
                  std::vector<Record> const& records) {
     auto const [x, y] = curve_of(run.runs.front(), records, curve.record);
     std::vector<std::size_t> bins;
     for (std::size_t bin = 0; bin < x.size(); bin += curve.every)
         if (x[bin] >= curve.from && x[bin] <= curve.to && y[bin].blocks > 0) bins.push_back(bin);
-    if (bins.empty())
-        throw InputError(fmt::format("curve {}: its scene does not measure {}, or not from {:g} to {:g}",
-                                     curve.name, curve.record, curve.from, curve.to));
     for (std::size_t const bin : bins) {
         Point point = run;
         point.x = x[bin];
@@ -306,6 +303,7 @@ void append_bins(std::vector<Point>& points, FigureCurve const& curve, Point con
         if (bin != bins.front()) point.configuration.resize(0, 0);
         points.push_back(std::move(point));
     }
+    return !bins.empty();
 }
 
 // The points of a curve at x; its only point, if it has one, stands for all x.
@@ -346,7 +344,74 @@ void join(std::string const& name, std::vector<FigureCurve> const& curves, std::
         derive_at_lag(point.runs.front(), point.quantities, point.x);
 }
 
+// Run time up to a fraction of the production: a step costs the same throughout.
+double seconds_until(Scene const& scene, RunResult const& result, double fraction) {
+    double const steps = double(scene.equilibration_steps) + fraction * double(scene.production_steps);
+    return result.seconds * (steps / double(scene.steps()));
+}
+
+// Run time behind the points of curve c, of joined points too; each run counts once.
+double seconds_of(Figure const& figure, std::size_t c, Results const& results, double fraction) {
+    auto const& curve = figure.curves[c];
+    std::vector<std::string> joined = curve.slope_between;
+    joined.push_back(curve.join);
+    std::map<std::string, double> seconds;
+    auto const count = [&](Point const& point) {
+        for (auto const& scene : point.runs) {
+            std::string const key = scene.key();
+            seconds[key] = seconds_until(scene, *results.at(key), fraction);
+        }
+    };
+    for (auto const& point : figure.points) {
+        if (point.curve != c) continue;
+        count(point);
+        for (auto const& name : joined)
+            for (Point const* const partner : points_of(name, figure.curves, figure.points, point.x))
+                count(*partner);
+    }
+    double sum = 0.0;
+    for (auto const& [key, of_run] : seconds) sum += of_run;
+    return sum;
+}
+
 }  // namespace
+
+Figure measured(Figure const& planned, Results const& results, double fraction) {
+    bool const whole = fraction == 1.0;
+    Figure figure = planned;
+    std::vector<Point> points;
+    std::set<std::string> counted;
+    for (auto& point : figure.points) {
+        std::vector<Record> records;
+        for (auto const& scene : point.runs) {
+            auto const& result = *results.at(scene.key());
+            double const seconds = seconds_until(scene, result, fraction);
+            records.push_back(first_part(result.record, fraction));
+            point.seconds += seconds;
+            if (counted.insert(scene.key()).second) figure.seconds += seconds;
+        }
+        point.quantities = analyze(point.runs.front(), records);
+        point.configuration = records.front().configuration;
+        auto const& curve = figure.curves[point.curve];
+        if (curve.record.empty())
+            points.push_back(point);
+        else if (!append_bins(points, curve, point, records) && whole)
+            throw InputError(fmt::format("curve {}: its scene does not measure {}, or not from {:g} to {:g}",
+                                         curve.name, curve.record, curve.from, curve.to));
+    }
+    for (auto& point : points) {
+        try {
+            join(figure.curves[point.curve].join, figure.curves, points, point);
+        } catch (std::logic_error const&) {
+            // a closed form refuses a viscosity that is not yet positive
+            if (whole) throw;
+        }
+    }
+    figure.points = std::move(points);
+    for (std::size_t c = 0; c < figure.curves.size(); ++c)
+        figure.curves[c].seconds = seconds_of(figure, c, results, fraction);
+    return figure;
+}
 
 void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     struct Job {
@@ -403,29 +468,12 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     if (failure) std::rethrow_exception(failure);
     if (options.stop && *options.stop)
         throw Interrupted("interrupted; finished runs are kept, run the command again to go on");
-    std::map<std::string, RunResult const*> results;
+    Results results;
     for (auto const& job : jobs) results[job.scene->key()] = &job.result;
     for (auto& figure : figures) {
-        std::vector<Point> points;
-        std::set<std::string> counted;
-        for (auto& point : figure.points) {
-            std::vector<Record> records;
-            for (auto const& scene : point.runs) {
-                auto const& result = *results.at(scene.key());
-                records.push_back(result.record);
-                point.seconds += result.seconds;
-                if (counted.insert(scene.key()).second) figure.seconds += result.seconds;
-            }
-            point.quantities = analyze(point.runs.front(), records);
-            point.configuration = records.front().configuration;
-            auto const& curve = figure.curves[point.curve];
-            if (curve.record.empty())
-                points.push_back(point);
-            else
-                append_bins(points, curve, point, records);
-        }
-        for (auto& point : points) join(figure.curves[point.curve].join, figure.curves, points, point);
-        figure.points = std::move(points);
+        auto convergence = converge(figure, results);
+        figure = measured(figure, results);
+        figure.convergence = std::move(convergence);
     }
 }
 
@@ -451,55 +499,57 @@ std::optional<Estimate> estimate_at(Figure const& figure, std::size_t p, std::st
 
 }  // namespace
 
+std::optional<Comparison> compare_point(Figure const& figure, std::size_t p, Criterion const& criterion) {
+    auto const& point = figure.points[p];
+    auto const& curve = figure.curves[point.curve];
+    bool const first = p == 0 || figure.points[p - 1].curve != point.curve;
+    if (first && (criterion.theory == "previous" || criterion.quantity.starts_with(exponent_prefix)))
+        return {};
+    auto const estimate = estimate_at(figure, p, criterion.quantity);
+    if (!estimate)
+        throw InputError(fmt::format("figure {}, curve {}: its scene does not measure {}", figure.id,
+                                     curve.name, criterion.quantity));
+    Comparison comparison{.figure = figure.id, .curve = curve.name, .parameter = curve.parameter};
+    comparison.x = point.x;
+    comparison.criterion = criterion;
+    comparison.estimate = *estimate;
+    comparison.runs = point.runs.size();
+    comparison.seconds = point.seconds;
+    if (criterion.theory == "previous") {
+        auto const previous = *estimate_at(figure, p - 1, criterion.quantity);
+        comparison.theory = previous.value;
+        comparison.theory_error = previous.error;
+    } else if (criterion.theory == "value") {
+        comparison.theory = criterion.value;
+    } else if (criterion.theory.starts_with("curve:")) {
+        auto const others = points_of(criterion.theory.substr(6), figure.curves, figure.points, point.x);
+        Quantity const* const reference =
+            others.empty() ? nullptr : find_quantity(others.front()->quantities, criterion.quantity);
+        if (!reference)
+            throw InputError(fmt::format("figure {}, curve {}: {} has no {} at {}", figure.id, curve.name,
+                                         criterion.theory, criterion.quantity, point.x));
+        comparison.theory = reference->estimate.value;
+        comparison.theory_error = reference->estimate.error;
+    } else if (criterion.theory.starts_with("quantity:")) {
+        Quantity const* const reference =
+            find_quantity(point.quantities, std::string_view(criterion.theory).substr(9));
+        if (!reference)
+            throw InputError(fmt::format("figure {}, curve {}: no {} at {}", figure.id, curve.name,
+                                         criterion.theory, point.x));
+        comparison.theory = reference->estimate.value;
+        comparison.theory_error = reference->estimate.error;
+    } else {
+        comparison.theory = theory_for(point.runs.front(), criterion.theory);
+    }
+    return comparison;
+}
+
 std::vector<Comparison> compare(Figure const& figure) {
     std::vector<Comparison> comparisons;
-    for (std::size_t p = 0; p < figure.points.size(); ++p) {
-        auto const& point = figure.points[p];
-        auto const& curve = figure.curves[point.curve];
-        bool const first = p == 0 || figure.points[p - 1].curve != point.curve;
-        for (auto const& criterion : curve.criteria) {
-            if (first && (criterion.theory == "previous" || criterion.quantity.starts_with(exponent_prefix)))
-                continue;
-            auto const estimate = estimate_at(figure, p, criterion.quantity);
-            if (!estimate)
-                throw InputError(fmt::format("figure {}, curve {}: its scene does not measure {}", figure.id,
-                                             curve.name, criterion.quantity));
-            Comparison comparison{.figure = figure.id, .curve = curve.name, .parameter = curve.parameter};
-            comparison.x = point.x;
-            comparison.criterion = criterion;
-            comparison.estimate = *estimate;
-            comparison.runs = point.runs.size();
-            comparison.seconds = point.seconds;
-            if (criterion.theory == "previous") {
-                auto const previous = *estimate_at(figure, p - 1, criterion.quantity);
-                comparison.theory = previous.value;
-                comparison.theory_error = previous.error;
-            } else if (criterion.theory == "value") {
-                comparison.theory = criterion.value;
-            } else if (criterion.theory.starts_with("curve:")) {
-                auto const others =
-                    points_of(criterion.theory.substr(6), figure.curves, figure.points, point.x);
-                Quantity const* const reference =
-                    others.empty() ? nullptr : find_quantity(others.front()->quantities, criterion.quantity);
-                if (!reference)
-                    throw InputError(fmt::format("figure {}, curve {}: {} has no {} at {}", figure.id,
-                                                 curve.name, criterion.theory, criterion.quantity, point.x));
-                comparison.theory = reference->estimate.value;
-                comparison.theory_error = reference->estimate.error;
-            } else if (criterion.theory.starts_with("quantity:")) {
-                Quantity const* const reference =
-                    find_quantity(point.quantities, std::string_view(criterion.theory).substr(9));
-                if (!reference)
-                    throw InputError(fmt::format("figure {}, curve {}: no {} at {}", figure.id, curve.name,
-                                                 criterion.theory, point.x));
-                comparison.theory = reference->estimate.value;
-                comparison.theory_error = reference->estimate.error;
-            } else {
-                comparison.theory = theory_for(point.runs.front(), criterion.theory);
-            }
-            comparisons.push_back(std::move(comparison));
-        }
-    }
+    for (std::size_t p = 0; p < figure.points.size(); ++p)
+        for (auto const& criterion : figure.curves[figure.points[p].curve].criteria)
+            if (auto comparison = compare_point(figure, p, criterion))
+                comparisons.push_back(std::move(*comparison));
     return comparisons;
 }
 
@@ -678,6 +728,137 @@ std::string wrapped(std::string const& text) {
     return result + line;
 }
 
+// A string of gnuplot's.
+std::string quoted(std::string const& plain) {
+    std::string q = "\"";
+    for (char const c : plain)
+        q += c == '"' || c == '\\' ? std::string{'\\', c} : c == '\n' ? "\\n" : std::string{c};
+    return q + "\"";
+}
+
+// The nearest file of that name above a figure's directory, or nothing.
+std::optional<std::filesystem::path> find_above(Figure const& figure, std::string const& name) {
+    auto directory = std::filesystem::absolute(figure.directory).lexically_normal();
+    do {
+        directory = directory.parent_path();
+        if (std::filesystem::exists(directory / name)) return directory / name;
+    } while (directory != directory.parent_path());
+    return {};
+}
+
+// Draws output/NAME.svg and .png by `plot`, which finds `variables` and the style set.
+void draw(Figure const& figure, std::filesystem::path const& output, std::string const& name,
+          std::string const& variables, std::filesystem::path const& plot) {
+    auto const style = find_above(figure, "style.gp");
+    if (!style)
+        throw InputError(
+            fmt::format("figure {}: there is no style.gp above {}", figure.id, figure.directory.string()));
+    auto const script = output / "data" / (name + ".gp");
+    std::string const stem = (output / name).string(), commands = quoted(plot.string());
+    write_file(
+        script,
+        fmt::format("{}title_text = {}\nload {}\n", variables, quoted(figure.title),
+                    quoted(style->string())) +
+            fmt::format("caption_size = '11'\nset terminal svg size 800,800 font 'DejaVu Sans,14' background "
+                        "'white'\n"
+                        "set output {}\nload {}\n",
+                        quoted(stem + ".svg"), commands) +
+            fmt::format("caption_size = '15'\nset terminal pngcairo size 1120,1120 font 'DejaVu Sans,20'\n"
+                        "set output {}\nload {}\n",
+                        quoted(stem + ".png"), commands));
+    // a curve that the budget leaves out has no data, of which gnuplot warns
+    std::string const command = fmt::format("gnuplot '{}' 2> '{}.log'", script.string(), script.string());
+    int const status = std::system(command.c_str());
+    std::filesystem::remove(script);
+    if (status == 0) std::filesystem::remove(script.string() + ".log");
+    if (status != 0)
+        throw InputError(fmt::format("figure {}: gnuplot failed, see {}.log", figure.id, script.string()));
+}
+
+constexpr std::size_t most_shown = 7;  // colours that stay distinct
+
+// The curves of the companion picture, the most telling ones first.
+std::vector<Convergence const*> shown_of(std::vector<Convergence> const& convergence) {
+    auto const checks = [](Convergence const* c) {
+        return c->criterion.quantity.find("temperature") != std::string::npos;
+    };
+    // one criterion per curve; a temperature, which most curves check, only where there is nothing else
+    std::vector<Convergence const*> shown;
+    for (auto const& c : convergence) {
+        if (c.states.empty()) continue;
+        if (shown.empty() || shown.back()->curve != c.curve)
+            shown.push_back(&c);
+        else if (checks(shown.back()) && !checks(&c))
+            shown.back() = &c;
+    }
+    std::stable_partition(shown.begin(), shown.end(), [&](auto const* c) { return !checks(c); });
+    if (shown.size() > most_shown) shown.resize(most_shown);
+    return shown;
+}
+
+// What a curve of the companion picture is, in words.
+std::string legend(FigureCurve const& curve, Convergence const& c) {
+    std::string const& theory = c.criterion.theory;
+    std::string text = fmt::format(
+        "{}: {} against {}", curve.name, c.criterion.quantity,
+        theory == "value" ? fmt::format("{:g}", c.criterion.value) : theory.substr(theory.find(':') + 1));
+    std::replace(text.begin(), text.end(), '_', ' ');
+    if (c.floor_resolved)
+        text += fmt::format(", floor {:.3g} ± {:.2g} %", 100.0 * c.floor, 100.0 * c.floor_error);
+    return text;
+}
+
+// Data of the errors against the run time; and the picture, where definitions come with a convergence.gp.
+void write_convergence(Figure const& figure, std::string const& budget, std::filesystem::path const& output) {
+    auto const shown = shown_of(figure.convergence);
+    if (shown.empty()) return;
+    std::string const name = figure.id + ".convergence";
+    auto const data = output / "data" / (name + ".dat");
+    std::string text = fmt::format(
+        "# {} figure {}, budget {}; dpdref {}, engine revision {}\n"
+        "# columns: seconds, rms relative error, rms relative deviation, points; of a floor: seconds, floor, "
+        "its standard error, resolved\n\n\n",
+        figure.paper, figure.number, budget, version, engine_revision);
+    for (auto const& c : figure.convergence) {
+        if (c.states.empty()) continue;
+        std::string const part = part_name(figure.curves[c.curve].name, c.criterion);
+        text += fmt::format("# {}\n", part);
+        for (auto const& state : c.states)
+            text += fmt::format("{:.6g} {:.4g} {:.4g} {}\n", state.seconds, state.error, state.deviation,
+                                state.points);
+        text += fmt::format("\n\n# floor:{}\n{:.6g} {:.4g} {:.2g} {:d}\n\n\n", part, c.states.back().seconds,
+                            c.floor, c.floor_error, c.floor_resolved);
+    }
+    write_file(data, text);
+    auto const plot = find_above(figure, "convergence.gp");
+    if (!plot) return;
+
+    std::vector<std::string> parts, titles;
+    double least = INFINITY, first = INFINITY, last = 0.0;  // smallest error; range of the run time
+    for (Convergence const* const c : shown) {
+        auto const& curve = figure.curves[c->curve];
+        parts.push_back(quoted(part_name(curve.name, c->criterion)));
+        titles.push_back(quoted(legend(curve, *c)));
+        first = std::min(first, c->states.front().seconds);
+        last = std::max(last, c->states.back().seconds);
+        for (auto const& state : c->states)
+            if (state.error > 0.0) least = std::min(least, state.error);
+    }
+    std::string const caption = fmt::format(
+        "{} Fig. {}, error against run time ({} budget). Symbols: root mean square, over a curve's "
+        "points, of the relative deviation from the theory; dashed: of the relative standard error; "
+        "grey: falling as the inverse root of the run time. Bars at the right: floor, the part of the "
+        "deviation that the error does not explain. Of each curve the first criterion, of a temperature "
+        "only where there is no other; at most {}; all are in the data.",
+        figure.paper, figure.number, budget, most_shown);
+    draw(figure, output, name,
+         fmt::format("data = {}\ncaption = {}\ncurves = {}\narray part[curves] = [{}]\n"
+                     "array legend[curves] = [{}]\nleast = {:g}\nfirst = {:g}\nlast = {:g}\n",
+                     quoted(data.string()), quoted(wrapped(caption)), shown.size(), fmt::join(parts, ", "),
+                     fmt::join(titles, ", "), least, first, last),
+         *plot);
+}
+
 }  // namespace
 
 void write_figure(Figure const& figure, std::vector<Comparison> const& comparisons, std::string const& budget,
@@ -739,37 +920,13 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
     for (auto const& c : comparisons) json["comparisons"].push_back(to_json(c));
     write_file(output / "data" / (figure.id + ".json"), json.dump(1) + "\n");
 
-    auto const quoted = [](std::string const& plain) {
-        std::string q = "\"";
-        for (char const c : plain)
-            q += c == '"' || c == '\\' ? std::string{'\\', c} : c == '\n' ? "\\n" : std::string{c};
-        return q + "\"";
-    };
-    auto const script = output / "data" / (figure.id + ".gp");
-    std::string const stem = (output / figure.id).string();
-    std::string const plot = quoted((figure.directory / "plot.gp").string());
-    write_file(
-        script,
-        fmt::format(
-            "data = {}\nlines = {}\ntitle_text = {}\ncaption = {}\nload {}\n", quoted(data.string()),
-            quoted(lines.string()), quoted(figure.title),
-            quoted(wrapped(fmt::format("{} Fig. {}. {} Run time {} ({} budget).", figure.paper, figure.number,
-                                       figure.caption, duration_text(seconds), budget))),
-            quoted((figure.directory.parent_path() / "style.gp").string())) +
-            fmt::format("caption_size = '11'\nset terminal svg size 800,800 font 'DejaVu Sans,14' background "
-                        "'white'\n"
-                        "set output {}\nload {}\n",
-                        quoted(stem + ".svg"), plot) +
-            fmt::format("caption_size = '15'\nset terminal pngcairo size 1120,1120 font 'DejaVu Sans,20'\n"
-                        "set output {}\nload {}\n",
-                        quoted(stem + ".png"), plot));
-    // a curve that the budget leaves out has no data, of which gnuplot warns
-    std::string const command = fmt::format("gnuplot '{}' 2> '{}.log'", script.string(), script.string());
-    int const status = std::system(command.c_str());
-    std::filesystem::remove(script);
-    if (status == 0) std::filesystem::remove(script.string() + ".log");
-    if (status != 0)
-        throw InputError(fmt::format("figure {}: gnuplot failed, see {}.log", figure.id, script.string()));
+    draw(figure, output, figure.id,
+         fmt::format(
+             "data = {}\nlines = {}\ncaption = {}\n", quoted(data.string()), quoted(lines.string()),
+             quoted(wrapped(fmt::format("{} Fig. {}. {} Run time {} ({} budget).", figure.paper,
+                                        figure.number, figure.caption, duration_text(seconds), budget)))),
+         figure.directory / "plot.gp");
+    write_convergence(figure, budget, output);
 }
 
 std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {
@@ -779,7 +936,9 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {
     for (auto const& entry : std::filesystem::directory_iterator(output / "data", ignored))
         if (entry.path().extension() == ".json" && entry.path().stem() != "report")
             files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
+    // as `figure all` orders them
+    std::sort(files.begin(), files.end(),
+              [](auto const& a, auto const& b) { return a.stem() < b.stem(); });
     for (auto const& file : files) {
         try {
             Json const content = Json::parse(read_file(file));

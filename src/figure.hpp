@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,6 +76,25 @@ struct FigureCurve {
     std::string record;                      ///< what is drawn is this measured curve, over its own x
     double from = 0.0, to = INFINITY;        ///< of the measured curve
     std::uint64_t every = 1;                 ///< one in so many of its bins
+    double seconds = 0.0;                    ///< run time behind its points, each run counted once
+};
+
+/// One criterion of a curve against the run time. Errors and deviations are relative to the theory (absolute
+/// if that is zero).
+struct Convergence {
+    /// What the first part of the runs would have told.
+    struct State {
+        double seconds = 0.0;    ///< run time of this part, equilibration included
+        double error = 0.0;      ///< root mean square over the points of the standard error
+        double deviation = 0.0;  ///< root mean square over the points of the deviation
+        std::size_t points = 0;  ///< whose error is known
+    };
+    std::size_t curve = 0;
+    Criterion criterion{};
+    std::vector<State> states;  ///< in the order of time; the last one is of the whole runs
+    double floor = 0.0;         ///< what is left of the deviation, in squares, without the error
+    double floor_error = 0.0;   ///< standard error of `floor`
+    bool floor_resolved = false;
 };
 
 struct Figure {
@@ -83,6 +103,7 @@ struct Figure {
     std::vector<FigureCurve> curves;
     std::vector<Point> points;
     double seconds = 0.0;  ///< run time of all its scenes, each counted once
+    std::vector<Convergence> convergence;
 };
 
 /// Reads verification/ID/figure.toml at a budget ("quick" or "paper"). InputError as for scenes.
@@ -102,10 +123,32 @@ struct CampaignOptions {
 /// Runs what the cache lacks, the longest runs first, `jobs` at a time. Throws the first error of a run.
 void run_points(std::vector<Figure>& figures, CampaignOptions const& options);
 
-/// Compares every point of a figure with its criteria.
+/// Finished runs by the keys of their scenes.
+using Results = std::map<std::string, RunResult const*>;
+
+/// A figure whose points are what the first `fraction` of each run's production measured.
+Figure measured(Figure const& planned, Results const& results, double fraction = 1.0);
+
+/// The first `fraction` of what was measured: of the samples of each series, of the blocks of each curve.
+Record first_part(Record const& record, double fraction);
+
+/// Every criterion that a value should equal, against the run time, from the first parts of the same runs.
+std::vector<Convergence> converge(Figure const& planned, Results const& results);
+
+/// State and floor of one criterion from its comparisons at the end of a part. The floor is
+/// sqrt(max(0, rms deviation^2 - rms error^2)); its error takes points as independent and their noise as
+/// normal. It is resolved if it exceeds twice its error, and the difference of the squares twice the standard
+/// error that this would have without a floor.
+Convergence convergence_of(std::vector<Comparison> const& comparisons, double seconds);
+
+/// Compares every point of a figure with its criteria. InputError for a quantity that was not measured.
 std::vector<Comparison> compare(Figure const& figure);
 
-/// Writes data, comparisons and pictures of a figure to `output`; gnuplot draws.
+/// Point p against one criterion, as `compare` does; nothing where it needs a point before and there is none.
+std::optional<Comparison> compare_point(Figure const& figure, std::size_t p, Criterion const& criterion);
+
+/// Writes data, comparisons, convergence and pictures of a figure to `output`; gnuplot draws, in the style of
+/// the nearest style.gp above the figure's directory.
 void write_figure(Figure const& figure, std::vector<Comparison> const& comparisons, std::string const& budget,
                   std::filesystem::path const& output);
 

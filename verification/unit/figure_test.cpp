@@ -14,7 +14,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numbers>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -687,6 +689,275 @@ BOOST_AUTO_TEST_CASE(points_take_slopes_from_two_densities_and_keep_configuratio
         BOOST_TEST((find_quantity(points[p].quantities, "pressure_slope") == nullptr));
 }
 
+// --- convergence -----------------------------------------------------------------------------------------
+
+namespace {
+
+/// Finished runs with made-up records, found by their scenes' keys.
+struct MadeRuns {
+    template <class F>
+    MadeRuns(Figure const& figure, double seconds, F&& record) {
+        for (auto const& point : figure.points)
+            for (std::size_t r = 0; r < point.runs.size(); ++r) {
+                auto& run = runs[point.runs[r].key()];
+                run.record = record(point, r);
+                run.seconds = seconds;
+            }
+        for (auto const& [key, run] : runs) results[key] = &run;
+    }
+    std::map<std::string, RunResult> runs;
+    Results results;
+};
+
+/// Eight points of one curve, two runs each, whose temperature is held against 2.
+std::string const eight_points = with_curves(
+    "[[curve]]\nname = 'gas'\nvary = 'shardlow.friction'\nvalues = [1, 2, 3, 4, 5, 6, 7, 8]\n"
+    "set = {'time.equilibration' = 6.0}\n"
+    "[[curve.compare]]\nquantity = 'kinetic_temperature'\ntheory = 'value'\nvalue = 2.0\n"
+    "[[curve.compare]]\nquantity = 'kinetic_temperature'\ntheory = 'value'\nvalue = 2.0\n"
+    "relation = 'at_most'\n");
+
+constexpr std::size_t samples = 1 << 14;
+constexpr double noise = 0.3;
+
+/// White noise about a mean.
+Record noisy(double mean, std::mt19937_64& generator) {
+    std::normal_distribution<double> normal(mean, noise);
+    Record record;
+    auto& series = record.series["kinetic_temperature"];
+    for (std::size_t k = 0; k < samples; ++k) series.push_back(normal(generator));
+    return record;
+}
+
+Comparison compared(double value, double error, double theory, std::size_t blocks = 9) {
+    Comparison c;
+    c.estimate = {.value = value, .error = error, .blocks = blocks};
+    c.theory = theory;
+    return c;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(first_parts_of_records) {
+    Record record;
+    record.series["s"] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+    record.curves["c"] = made(3, 0.0, 1.0, 8, [](double x, Eigen::Index block) { return x + double(block); });
+    for (auto const& [fraction, length, blocks] : {std::tuple(1.0, 9u, 8), std::tuple(0.5, 4u, 4),
+                                                   std::tuple(0.25, 2u, 2), std::tuple(0.0625, 0u, 0)}) {
+        Record const part = first_part(record, fraction);
+        auto const &series = part.series.at("s"), &whole = record.series.at("s");
+        BOOST_TEST(series.size() == length);
+        BOOST_TEST(std::equal(series.begin(), series.end(), whole.begin()));
+        Curve const &curve = part.curves.at("c"), &full = record.curves.at("c");
+        BOOST_TEST((curve.x == full.x));
+        BOOST_TEST((curve.sum.leftCols(blocks) == full.sum.leftCols(blocks)).all());
+        BOOST_TEST((curve.weight.leftCols(blocks) == full.weight.leftCols(blocks)).all());
+        BOOST_TEST((curve.sum.rightCols(8 - blocks) == 0.0).all());
+        BOOST_TEST((curve.weight.rightCols(8 - blocks) == 0.0).all());
+        BOOST_TEST(curve.block_means(1).size() == std::size_t(blocks));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(errors_of_white_noise_fall_as_the_root_of_the_time) {
+    Figure const figure = load(eight_points);
+    std::mt19937_64 generator(1);
+    MadeRuns const made_runs(figure, 8.0, [&](Point const&, std::size_t) { return noisy(2.0, generator); });
+    auto const all = converge(figure, made_runs.results);
+    BOOST_REQUIRE_EQUAL(all.size(), 1u);  // the bound has no deviation
+    auto const& states = all[0].states;
+    BOOST_REQUIRE_EQUAL(states.size(), 7u);
+    for (std::size_t k = 0; k < 7; ++k) {
+        double const fraction = std::pow(2.0, double(k) - 6.0), n = 2.0 * fraction * samples;
+        // blocks of at most twice (2 n)^(1/3) samples of a run
+        double const blocks = n / (2.0 * std::cbrt(n)), unsure = 1.0 / std::sqrt(2.0 * 8.0 * (blocks - 1.0));
+        BOOST_TEST_CONTEXT("fraction " << fraction << ", error known to " << unsure) {
+            BOOST_TEST(states[k].points == 8u);
+            BOOST_TEST(std::abs(states[k].error / (noise / std::sqrt(n) / 2.0) - 1.0) < 4.0 * unsure);
+            // chi-square of 8: beyond 27.9 once in 2000, below 0.7 as rarely
+            double const chi_square = 8.0 * std::pow(states[k].deviation / states[k].error, 2);
+            BOOST_TEST(chi_square < 27.9);
+            BOOST_TEST(chi_square > 0.7);
+            // 60 steps of equilibration, 20 of production
+            BOOST_TEST(states[k].seconds == 16.0 * 8.0 * (60.0 + fraction * 20.0) / 80.0, tolerance(1e-12));
+        }
+    }
+    BOOST_TEST(!all[0].floor_resolved);
+    BOOST_TEST(all[0].floor < 2.0 * states.back().error);
+}
+
+BOOST_AUTO_TEST_CASE(a_bias_leaves_a_floor) {
+    // by 1 % of the theory, which the errors of the last states resolve and those of the first do not
+    double const bias = 0.01;
+    Figure const figure = load(eight_points);
+    std::mt19937_64 generator(2);
+    MadeRuns const made_runs(figure, 8.0, [&](Point const& point, std::size_t) {
+        return noisy(2.0 * (1.0 + (point.x > 4.0 ? bias : -bias)), generator);
+    });
+    auto const all = converge(figure, made_runs.results);
+    auto const& states = all.at(0).states;
+    BOOST_REQUIRE_EQUAL(states.size(), 7u);
+    BOOST_TEST(states.back().error < 0.1 * bias);
+    BOOST_TEST(std::abs(states.back().deviation / bias - 1.0) < 0.1);
+    BOOST_TEST(states[5].deviation / states[6].deviation < 1.1);
+    BOOST_TEST(all[0].floor_resolved);
+    BOOST_TEST(std::abs(all[0].floor - bias) < 4.0 * all[0].floor_error);
+    // eight points of an error of 0.3/(2 sqrt(2^15))
+    BOOST_TEST(all[0].floor_error == 0.3 / (2.0 * std::sqrt(32768.0)) / std::sqrt(8.0), tolerance(0.1));
+}
+
+BOOST_AUTO_TEST_CASE(floors_by_hand) {
+    // deviations 3 and 4 %, errors 1 and 2 %, of a theory of 2; what has no error does not count
+    auto const both =
+        convergence_of({compared(2.06, 0.02, 2.0), compared(1.92, 0.04, 2.0), compared(5.0, NAN, 2.0),
+                        compared(5.0, 0.1, 2.0, 1), compared(NAN, 0.1, 2.0)},
+                       7.0);
+    BOOST_REQUIRE_EQUAL(both.states.size(), 1u);
+    BOOST_TEST(both.states[0].points == 2u);
+    BOOST_TEST(both.states[0].seconds == 7.0);
+    BOOST_TEST(both.states[0].error == 0.01 * std::sqrt(2.5), tolerance(1e-12));
+    BOOST_TEST(both.states[0].deviation == 0.01 * std::sqrt(12.5), tolerance(1e-12));
+    BOOST_TEST(both.floor == 0.01 * std::sqrt(10.0), tolerance(1e-12));
+    // of deviation^2 - error^2: 4 b^2 s^2 + 2 s^4 (1 + 1/8)
+    double const variance = 4.0 * (8.0 * 1.0 + 12.0 * 4.0) + 2.25 * (1.0 + 16.0);
+    BOOST_TEST(both.floor_error == 0.01 * std::sqrt(variance) / 2.0 / (2.0 * std::sqrt(10.0)),
+               tolerance(1e-12));
+    BOOST_TEST(both.floor_resolved);  // 10 exceeds sqrt(2.25*17) = 6.2
+
+    // a measured theory has an error, too; a theory of zero gives absolute numbers
+    auto measured_theory = compared(1.0, 0.3, 2.0);
+    measured_theory.theory_error = 0.4;
+    BOOST_TEST(convergence_of({measured_theory}, 1.0).states.at(0).error == 0.25, tolerance(1e-12));
+    BOOST_TEST(convergence_of({compared(-0.5, 0.1, 0.0)}, 1.0).states.at(0).deviation == 0.5);
+    BOOST_TEST(convergence_of({compared(-0.5, 0.1, -2.0)}, 1.0).states.at(0).error == 0.05);
+
+    // within the error
+    auto const none = convergence_of({compared(2.01, 0.02, 2.0)}, 1.0);
+    BOOST_TEST(none.floor == 0.0);
+    BOOST_TEST(none.floor_error == 0.01 * std::pow(2.25, 0.25), tolerance(1e-12));
+    BOOST_TEST(!none.floor_resolved);
+    BOOST_TEST(convergence_of({compared(2.0, NAN, 2.0)}, 1.0).states.empty());
+}
+
+// 2000 made-up curves of ten points: the floor's error is its scatter, and few are resolved where there is
+// none.
+BOOST_DATA_TEST_CASE(floors_have_the_error_that_is_said, data::make({0.0, 2.0, 5.0}), bias) {
+    std::mt19937_64 generator(3);
+    std::normal_distribution<double> normal;
+    std::chi_squared_distribution<double> chi_squared(31);
+    constexpr int trials = 2000;
+    double sum = 0.0, sum_of_squares = 0.0, said = 0.0, resolved = 0.0;
+    for (int trial = 0; trial < trials; ++trial) {
+        std::vector<Comparison> comparisons;
+        for (int p = 0; p < 10; ++p)
+            comparisons.push_back(compared(100.0 + bias + normal(generator),
+                                           std::sqrt(chi_squared(generator) / 31.0), 100.0, 32));
+        auto const result = convergence_of(comparisons, 1.0);
+        sum += result.floor;
+        sum_of_squares += result.floor * result.floor;
+        said += result.floor_error / trials;
+        resolved += double(result.floor_resolved) / trials;
+    }
+    double const mean = sum / trials, scatter = std::sqrt(sum_of_squares / trials - mean * mean);
+    BOOST_TEST_MESSAGE("bias " << bias << ": floor " << mean << " +- " << scatter << ", said " << said
+                               << ", resolved " << resolved);
+    if (bias == 0.0) {
+        BOOST_TEST(resolved < 0.06);
+        BOOST_TEST(scatter < 1.1 * said);
+    } else {
+        BOOST_TEST(resolved > 0.95);
+        BOOST_TEST(std::abs(mean / (0.01 * bias) - 1.0) < 0.03);
+        // the scatter of 2000 is known to 1.6 %
+        BOOST_TEST(std::abs(scatter / said - 1.0) < 0.07);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(curves_converge_from_two_blocks_on) {
+    std::string const definition = with_curves(
+        "[[curve]]\nname = 'bins'\nrecord = 'velocity_autocorrelation'\n[[curve.compare]]\n"
+        "quantity = 'velocity_autocorrelation'\ntheory = 'value'\nvalue = 1.5\n");
+    for (std::size_t seeds : {1u, 2u}) {
+        auto lines = definition;
+        lines.replace(lines.find("seeds = 2"), 9, fmt::format("seeds = {}", seeds));
+        Figure const figure = load(lines);
+        MadeRuns const made_runs(figure, 8.0, [&](Point const&, std::size_t r) {
+            Record record;
+            record.curves["velocity_autocorrelation"] = made(5, 0.0, 0.1, 8, [&](double, Eigen::Index block) {
+                return 2.0 * (2.0 + 0.1 * double(block) + double(r));
+            });
+            return record;
+        });
+        auto const all = converge(figure, made_runs.results);
+        auto const& states = all.at(0).states;
+        std::size_t const parts = 2 + seeds;  // from 1/4 on, or from 1/8 on
+        BOOST_REQUIRE_EQUAL(states.size(), parts);
+        for (std::size_t k = 0; k < parts; ++k) {
+            double const fraction = std::pow(2.0, double(k + 1) - double(parts));
+            // of blocks 0 to 8 f - 1, and of runs that are one apart; two components
+            double const value = 2.0 + 0.1 * 0.5 * (8.0 * fraction - 1.0) + 0.5 * double(seeds - 1);
+            BOOST_TEST(states[k].points == 5u);
+            BOOST_TEST(states[k].deviation == (value - 1.5) / 1.5, tolerance(1e-12));
+            BOOST_TEST(states[k].seconds == double(seeds) * 8.0 * fraction, tolerance(1e-12));
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(the_last_state_is_that_of_the_whole_runs) {
+    auto const criterion = [&](std::string const& quantity, std::string const& theory) {
+        return fmt::format("[[curve.compare]]\nquantity = '{}'\ntheory = '{}'\nvalue = 0.9\n", quantity,
+                           theory);
+    };
+    std::string const correlation = "'sample.velocity_autocorrelation.longest' = 1.0\n";
+    std::vector<Figure> figures{load(with_curves(
+        "[[curve]]\nname = 'gas'\njoin = 'one'\nvary = 'shardlow.friction'\nvalues = [1, 2, 5]\n" +
+        criterion("kinetic_temperature", "value") + criterion("kinetic_temperature", "curve:one") +
+        criterion("green_kubo_diffusion_constant", "ng17") +
+        "[[curve]]\nname = 'one'\nvary = 'shardlow.friction'\nvalues = [3]\n[curve.set]\n" + correlation +
+        "[[curve]]\nname = 'bins'\nrecord = 'velocity_autocorrelation'\njoin = 'gas'\nto = 0.5\n" +
+        criterion("velocity_autocorrelation", "quantity:exponential_decay") + "[curve.set]\n" + correlation +
+        "'shardlow.friction' = 3\n"))};
+    run_points(figures, {.cache = directory / "cache", .output = directory});
+    Figure const& figure = figures[0];
+    auto const comparisons = compare(figure);
+    BOOST_REQUIRE_EQUAL(figure.convergence.size(), 4u);
+    for (auto const& convergence : figure.convergence) {
+        auto const& curve = figure.curves[convergence.curve];
+        BOOST_TEST_CONTEXT(curve.name << ", " << convergence.criterion.quantity << ", "
+                                      << convergence.criterion.theory) {
+            std::vector<Comparison> of_curve;
+            for (auto const& c : comparisons)
+                if (c.curve == curve.name && c.criterion.quantity == convergence.criterion.quantity &&
+                    c.criterion.theory == convergence.criterion.theory)
+                    of_curve.push_back(c);
+            auto const expected = convergence_of(of_curve, curve.seconds);
+            BOOST_REQUIRE(!convergence.states.empty());
+            auto const &last = convergence.states.back(), &whole = expected.states.at(0);
+            BOOST_TEST(last.points == of_curve.size());
+            BOOST_TEST(last.error == whole.error);
+            BOOST_TEST(last.deviation == whole.deviation);
+            BOOST_TEST(last.seconds == whole.seconds);
+            BOOST_TEST(convergence.floor == expected.floor);
+            BOOST_TEST(convergence.floor_error == expected.floor_error);
+            for (std::size_t k = 1; k < convergence.states.size(); ++k)
+                BOOST_TEST(convergence.states[k - 1].seconds < convergence.states[k].seconds);
+        }
+    }
+    // three runs of the gas with the one that all of them join; the bins of the same run, once
+    auto const seconds_of = [&](std::size_t p) {
+        double sum = 0.0;
+        for (Scene const& run_scene : figure.points[p].runs) {
+            RunOptions options;
+            options.output = directory / "cache" / (run_scene.key() + ".h5");
+            sum += run(run_scene, options).seconds;
+        }
+        return sum;
+    };
+    double const one = seconds_of(3);
+    BOOST_TEST(figure.curves[0].seconds == seconds_of(0) + seconds_of(1) + seconds_of(2) + one,
+               tolerance(1e-12));
+    BOOST_TEST(figure.curves[1].seconds == one);
+    BOOST_TEST(figure.curves[2].seconds == one);
+}
+
 // --- files -----------------------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
@@ -732,6 +1003,93 @@ BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
         BOOST_TEST(a.theory_error == b.theory_error);
         BOOST_TEST(name_of(judge(a, 3)) == name_of(judge(b, 3)));
     }
+}
+
+BOOST_AUTO_TEST_CASE(companions_show_one_criterion_of_a_curve) {
+    if (std::system("command -v gnuplot >/dev/null") != 0) return;
+    // the nearest style above the figure, not the one above that
+    auto const deep = directory / "deep" / "deeper" / "test";
+    std::filesystem::create_directories(deep);
+    std::ofstream(deep / "plot.gp").close();
+    Figure figure = made_figure({.quantity = "q", .theory = "value", .value = 5.0});
+    figure.title = "a title";
+    figure.directory = deep;
+    auto const output = directory / "output";
+    auto const complaint_of_writing = [&] {
+        try {
+            write_figure(figure, compare(figure), "quick", output);
+        } catch (InputError const& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    BOOST_TEST(complaint_of_writing() ==
+               fmt::format("figure made: there is no style.gp above {}", deep.string()));
+    std::ofstream(directory / "style.gp") << "style = 'far'\n";
+    std::ofstream(directory / "deep" / "style.gp") << "style = 'near'\n";
+    BOOST_TEST(complaint_of_writing() == "");  // nothing converges, nothing is drawn
+    auto const data = output / "data" / "made.convergence.dat";
+    BOOST_TEST(!std::filesystem::exists(data));
+
+    auto const add = [&](std::size_t curve, char const* quantity, char const* theory, bool known = true) {
+        figure.convergence.emplace_back();
+        auto& added = figure.convergence.back();
+        added.curve = curve;
+        added.criterion = {.quantity = quantity, .theory = theory, .value = 5.0};
+        if (known)
+            added.states = {{.seconds = 1.0, .error = 0.4, .deviation = 0.5, .points = 2},
+                            {.seconds = 4.0, .error = 0.2, .deviation = 0.3, .points = 3}};
+    };
+    add(0, "kinetic_temperature", "value");
+    add(1, "first_viscosity", "quantity:other_viscosity", false);
+    add(1, "kinetic_temperature", "value");
+    add(1, "bulk_viscosity", "quantity:other_viscosity");
+    add(1, "shear_viscosity", "value");
+    add(2, "viscosity", "value");
+    figure.convergence.back().floor = 0.0123;
+    figure.convergence.back().floor_error = 0.0021;
+    figure.convergence.back().floor_resolved = true;
+    BOOST_TEST(complaint_of_writing() == "");  // data without a picture
+    BOOST_TEST(std::filesystem::exists(data));
+    BOOST_TEST(!std::filesystem::exists(output / "made.convergence.svg"));
+    std::ofstream(directory / "convergence.gp")
+        << "set print data.'.seen'\nprint style.' '.title_text.sprintf(' %g %g %g', least, first, last)\n"
+           "do for [n=1:curves] { print part[n].'|'.legend[n] }\n"
+           "plot for [n=1:curves] data index part[n] using 1:3\n";
+    BOOST_TEST(complaint_of_writing() == "");
+    auto const content = [](std::filesystem::path const& path) {
+        std::ostringstream text;
+        text << std::ifstream(path).rdbuf();
+        return text.str();
+    };
+    for (char const* ending : {"svg", "png"})
+        BOOST_TEST(std::filesystem::exists(output / fmt::format("made.convergence.{}", ending)));
+    BOOST_TEST(!std::filesystem::exists(output / "data" / "made.convergence.gp"));
+    // temperatures last
+    BOOST_TEST(content(data.string() + ".seen") ==
+               "near a title 0.2 1 4\n"
+               "b:bulk_viscosity:quantity:other_viscosity|b: bulk viscosity against other viscosity\n"
+               "c:viscosity:value|c: viscosity against 5, floor 1.23 ± 0.21 %\n"
+               "a:kinetic_temperature:value|a: kinetic temperature against 5\n");
+    std::string const text = content(data);
+    for (std::string const part :
+         {"# a:kinetic_temperature:value\n1 0.4 0.5 2\n4 0.2 0.3 3\n\n\n",
+          "# floor:a:kinetic_temperature:value\n4 0 0 0\n\n\n", "# b:shear_viscosity:value\n1 0.4 ",
+          "# floor:c:viscosity:value\n4 0.0123 0.0021 1\n\n\n"})
+        BOOST_TEST(text.find(part) != std::string::npos, part << " is not in\n" << text);
+    BOOST_TEST(text.find("first_viscosity") == std::string::npos);
+    // as many as there are colours
+    for (std::size_t curve = 3; curve < 9; ++curve) {
+        figure.curves.push_back(figure.curves.back());
+        figure.curves.back().name = fmt::format("curve {}", curve);
+        add(curve, "viscosity", "value");
+    }
+    BOOST_TEST(complaint_of_writing() == "");
+    std::string const seen = content(data.string() + ".seen");
+    BOOST_TEST(std::count(seen.begin(), seen.end(), '\n') == 1 + 7);
+    BOOST_TEST(seen.find("curve 7") != std::string::npos);
+    BOOST_TEST(seen.find("temperature") == std::string::npos);
+    BOOST_TEST(content(data).find("# curve 8:viscosity:value") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
