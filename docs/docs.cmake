@@ -15,7 +15,7 @@ endif()
 set(DPDREF_BOOK ${PROJECT_BINARY_DIR}/docs)
 file(MAKE_DIRECTORY ${DPDREF_BOOK})
 
-# The page's head: Doxygen's own, with the theme's switch for dark mode and the width of a phone.
+# The page's head: Doxygen's own, with the theme's switch for dark mode, which paper ignores, and the width of a phone.
 execute_process(COMMAND ${DOXYGEN_EXECUTABLE} -w html header.html footer.html style.css
                 WORKING_DIRECTORY ${DPDREF_BOOK} OUTPUT_QUIET ERROR_QUIET)
 file(READ ${DPDREF_BOOK}/header.html DPDREF_HEADER)
@@ -31,6 +31,10 @@ string(REPLACE "</head>" [[
 DoxygenAwesomeDarkModeToggle.init()
 DoxygenAwesomeFragmentCopyButton.init()
 DoxygenAwesomeParagraphLink.init()
+const scheme = document.documentElement.classList
+let before = ""
+addEventListener("beforeprint", () => { before = scheme.value; scheme.remove("dark-mode"); scheme.add("light-mode") })
+addEventListener("afterprint", () => { scheme.value = before })
 </script>
 </head>]] DPDREF_HEADER "${DPDREF_HEADER}")
 file(WRITE ${DPDREF_BOOK}/header.html "${DPDREF_HEADER}")

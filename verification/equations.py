@@ -4,7 +4,7 @@
 Code names its equation in a comment, @eq{PAPER,N}; docs/equations.toml says the rest by hand.
 
 usage: equations.py                every equation has code and a test, or a reason why not; every name exists; every
-                                   line of code that a page asks for is there
+                                   test that a page cites exists; every line of code that it asks for is there
        equations.py --write DIR    the same, then writes the page DIR/equations.md
        equations.py --label FILE   prints a page as Doxygen needs it (its filter): labels on the headings of derivations
 
@@ -23,6 +23,11 @@ KEYS = {"what", "code", "tests", "figures", "none", "untested"}
 
 def read(file):
     return file.read_text(encoding="utf-8")
+
+
+def pages():
+    """the written pages of the book"""
+    return sorted([*(ROOT / "docs").glob("*.md"), *(ROOT / "theory").glob("*.md")])
 
 
 def numbers(text):
@@ -138,12 +143,31 @@ def all_tests():
     return found
 
 
+# --- tests that the pages cite: `MODULE: name` anywhere, or `name` in a paragraph or item "Tests: ..."
+
+
+def lost_tests(tests):
+    names = {test.split(": ")[1] for test in tests}
+    for page in pages():
+        text = read(page)
+        cited = re.finditer(r"`([a-z]\w*: \w+)`", text)
+        cited = [(match.start(1), match[1]) for match in cited if match[1] not in tests]
+        for list_of_tests in re.finditer(r"^(?:- )?Tests?\b.*?(?=\n\n|\n- |\Z)", text, re.MULTILINE | re.DOTALL):
+            # names of tests are sentences: two underscores and more
+            for match in re.finditer(r"`(\w+_\w+_\w+)`", list_of_tests[0]):
+                if match[1] not in names:
+                    cited.append((list_of_tests.start() + match.start(1), match[1]))
+        for at, test in sorted(cited):
+            line = text.count("\n", 0, at) + 1
+            yield f"{page.relative_to(ROOT)}:{line}: no test '{test}' in verification/unit"
+
+
 # --- code that the pages show: Doxygen is silent about \skip and \until that find nothing
 
 
 def lost_listings():
     folders = [ROOT / "src", ROOT / "theory", ROOT / "verification" / "unit", ROOT / "verification" / "scenes"]
-    for page in sorted([*(ROOT / "docs").glob("*.md"), *(ROOT / "theory").glob("*.md")]):
+    for page in pages():
         text, at = "", 0
         for number, line in enumerate(read(page).splitlines()):
             match = re.match(r"\\(dontinclude|skip|until) (.*)", line)
@@ -166,9 +190,9 @@ def lost_listings():
 
 
 def collect():
-    mistakes = list(lost_listings())
-    book = tomllib.loads(read(ROOT / "docs" / "equations.toml"))
     code, tests = marked_code(), all_tests()
+    mistakes = [*lost_listings(), *lost_tests(tests)]
+    book = tomllib.loads(read(ROOT / "docs" / "equations.toml"))
     for (paper, n), places in code.items():
         if paper not in book or not 1 <= n <= book[paper]["equations"]:
             _, file, line = places[0]

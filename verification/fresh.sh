@@ -13,6 +13,7 @@ cd "$(dirname "$0")/.."
 packages="g++ cmake ninja-build libeigen3-dev libboost-dev libboost-test-dev libfmt-dev libhdf5-dev
     nlohmann-json3-dev libcli11-dev libtomlplusplus-dev librandom123-dev libhwy-dev gnuplot-nox fonts-dejavu-core
     python3-h5py"
+[ "${CI:-}" != true ] || packages="$packages doxygen doxygen-awesome-css libjs-mathjax" # the book
 missing=""
 for package in $packages; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q "install ok installed" || missing="$missing $package"
@@ -37,4 +38,5 @@ else
     cmake --preset $preset -G Ninja
     cmake --build --preset $preset
     ctest --preset $preset
+    [ "${CI:-}" != true ] || cmake --build --preset $preset --target docs # its warnings and broken links are errors
 fi
