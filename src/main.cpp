@@ -1,9 +1,10 @@
-// The command line: `dpdref theory | run | figure | report`. Exit codes: 0 done, 1 a verdict is "disagrees",
-// 2 bad input, 3 the simulation diverged, 130 interrupted (run again to resume).
+// The command line: `dpdref theory | run | figure | stability | work-precision | report`. Exit codes: 0 done,
+// 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run again to resume).
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <charconv>
 #include <csignal>
@@ -15,8 +16,10 @@
 #include "figure.hpp"
 #include "progress.hpp"
 #include "run.hpp"
+#include "stability.hpp"
 #include "theory/registry.hpp"
 #include "version.hpp"
+#include "work_precision.hpp"
 
 namespace {
 
@@ -95,6 +98,15 @@ void print_result(dpd::Scene const& scene, dpd::RunResult const& result, bool js
     auto const& counters = result.counters;
     double const cost = 1e9 * result.seconds /
                         (double(std::max<std::uint64_t>(1, counters.steps)) * double(result.particles));
+    if (counters.coincident_pairs > 0)
+        fmt::print(stderr, "dpdref: warning: {} pairs at r = 0 had no direction and did not interact\n",
+                   counters.coincident_pairs);
+    // soft forces are bounded: beyond their stable step a run is hot, but ends
+    if (double const set = scene.thermostat_kT(); set > 0.0 && result.kinetic_temperature > 10.0 * set)
+        fmt::print(stderr,
+                   "dpdref: warning: kT ended at {:.3g}, the thermostat is set to {:.3g}; try a smaller "
+                   "time.step\n",
+                   result.kinetic_temperature, set);
     if (json) {
         Json output{
             {"title", scene.title}, {"key", scene.key()}, {"seed", scene.seed}, {"seconds", result.seconds}};
@@ -128,9 +140,44 @@ void print_result(dpd::Scene const& scene, dpd::RunResult const& result, bool js
         "  pairs found {}, updated {}; random draws {}; potential evaluations {}; coincident pairs {}\n",
         counters.pairs_found, counters.pair_updates, counters.random_draws, counters.potential_evaluations,
         counters.coincident_pairs);
-    if (counters.coincident_pairs > 0)
-        fmt::print(stderr, "dpdref: warning: {} pairs at r = 0 had no direction and did not interact\n",
-                   counters.coincident_pairs);
+}
+
+// --- figures ---------------------------------------------------------------------------------------------
+
+// Regenerates figures and prints their comparisons; false if one disagrees.
+bool make_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
+                  std::string const& budget, dpd::CampaignOptions const& options) {
+    std::vector<dpd::Figure> figures;
+    for (auto const& id : ids) figures.push_back(dpd::load_figure(verification, id, budget));
+    dpd::run_points(figures, options);
+    std::vector<dpd::Comparison> all;
+    for (auto const& figure : figures) {
+        auto const comparisons = dpd::compare(figure);
+        dpd::write_figure(figure, comparisons, budget, options.output);
+        all.insert(all.end(), comparisons.begin(), comparisons.end());
+    }
+    return dpd::report(all, options.output);
+}
+
+// The study of the integrators, and the figures that are defined beside it.
+bool work_precision(std::filesystem::path const& directory, std::vector<std::string> ids,
+                    std::string const& budget, dpd::CampaignOptions const& options) {
+    std::string const study = "integrators";
+    auto known = dpd::figure_ids(directory);
+    known.insert(known.begin(), study);
+    if (ids.empty() || ids == std::vector<std::string>{"all"}) ids = known;
+    for (auto const& id : ids)
+        if (std::find(known.begin(), known.end(), id) == known.end())
+            throw dpd::InputError(
+                fmt::format("work-precision {}: unknown; allowed: all, {}", id, fmt::join(known, ", ")));
+    bool const with_study = std::erase(ids, study) > 0;
+    bool const agree = ids.empty() || make_figures(directory, ids, budget, options);
+    if (with_study) {
+        auto studies = dpd::load_studies(directory / study, budget);
+        dpd::run_studies(studies, options);
+        for (auto const& one : studies) dpd::write_study(one, budget, directory / study, options.output);
+    }
+    return agree;
 }
 
 // The clone's definitions, or else the installed ones.
@@ -180,6 +227,23 @@ int dispatch(int argc, char** argv) {
     figure->add_option("--cache", cache, "directory of finished and unfinished runs");
     figure->add_option("--verification", verification, "directory of the figures' definitions");
 
+    auto* const stability = app.add_subcommand("stability", "largest steps of the integrators, by bisection");
+    stability->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
+    stability->add_option("--jobs", jobs, "bisections at a time")->check(CLI::Range(1u, 1024u));
+    stability->add_option("--out", figures_dir,
+                          "directory (default figures/stability, or figures/quick/stability)");
+    stability->add_option("--cache", cache, "directory of finished bisections");
+    stability->add_option("--verification", verification, "directory of the figures' definitions");
+
+    auto* const work = app.add_subcommand("work-precision", "errors of the integrators against run time");
+    work->add_option("ids", ids, "integrators, or one of the maps; default all");
+    work->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
+    work->add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
+    work->add_option("--out", figures_dir,
+                     "directory (default figures/work-precision, or figures/quick/work-precision)");
+    work->add_option("--cache", cache, "directory of finished and unfinished runs");
+    work->add_option("--verification", verification, "directory of the studies' definitions");
+
     std::string report_dir = "figures";
     auto* const report =
         app.add_subcommand("report", "print every comparison; write report.csv and report.json");
@@ -212,19 +276,27 @@ int dispatch(int argc, char** argv) {
     } else if (figure->parsed()) {
         if (ids == std::vector<std::string>{"all"}) ids = dpd::figure_ids(verification);
         if (ids.empty()) throw dpd::InputError(fmt::format("{}: holds no figures", verification));
-        std::vector<dpd::Figure> figures;
-        for (auto const& name : ids) figures.push_back(dpd::load_figure(verification, name, budget));
         std::filesystem::path const output = !figures_dir.empty() ? figures_dir
                                              : budget == "quick"  ? "figures/quick"
                                                                   : "figures";
-        dpd::run_points(figures, {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested});
-        std::vector<dpd::Comparison> all;
-        for (auto const& f : figures) {
-            auto const comparisons = dpd::compare(f);
-            dpd::write_figure(f, comparisons, budget, output);
-            all.insert(all.end(), comparisons.begin(), comparisons.end());
-        }
-        if (!dpd::report(all, output)) return exit_disagrees;
+        if (!make_figures(verification, ids, budget,
+                          {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested}))
+            return exit_disagrees;
+    } else if (stability->parsed()) {
+        auto const definition = std::filesystem::path(verification) / "stability";
+        auto maps = dpd::load_stability(definition / "stability.toml", budget);
+        std::filesystem::path const output = !figures_dir.empty() ? figures_dir
+                                             : budget == "quick"  ? "figures/quick/stability"
+                                                                  : "figures/stability";
+        dpd::find_edges(maps, {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested});
+        dpd::write_stability(maps, budget, definition, output);
+    } else if (work->parsed()) {
+        std::filesystem::path const output = !figures_dir.empty() ? figures_dir
+                                             : budget == "quick"  ? "figures/quick/work-precision"
+                                                                  : "figures/work-precision";
+        if (!work_precision(std::filesystem::path(verification) / "work-precision", ids, budget,
+                            {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested}))
+            return exit_disagrees;
     } else if (report->parsed()) {
         auto const comparisons = dpd::load_comparisons(report_dir);
         if (comparisons.empty())

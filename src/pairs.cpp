@@ -364,7 +364,9 @@ void PairSearch<d>::sort_particles(Particles<d>& particles, Box<d> const& box, d
 template <int d>
 std::size_t PairSearch<d>::bytes() const {
     return entries_.capacity() * sizeof(Entry) + cell_begin_.capacity() * sizeof(int) +
-           owner_.capacity() * (sizeof(std::uint32_t) + d * sizeof(double));
+           owner_.capacity() * (sizeof(std::uint32_t) + d * sizeof(double)) +
+           (place_.capacity() + bucket_begin_.capacity() + scratch_rows_.capacity()) * sizeof(std::uint32_t) +
+           scratch_.capacity() * sizeof(double);
 }
 
 template struct PairList<2>;

@@ -150,6 +150,8 @@ void archive_counters(Archive& archive, Counters& counters) {
     archive("dpdref/counters/coincident_pairs", counters.coincident_pairs);
 }
 
+constexpr std::string_view diverged = "diverged: ";
+
 // The file of one run. Its state is "complete", "interrupted" (with a checkpoint) or "diverged: ...".
 template <int d>
 class RunFile {
@@ -177,7 +179,8 @@ public:
         archive.commit();
     }
 
-    // Restores a checkpoint or a result; false if there is no file yet, or one that diverged.
+    // Restores a checkpoint or a result; false if there is no file yet. A run that diverged would do so again:
+    // throws what it said.
     bool load(Simulation<d>& simulation, Recorder<d>& recorder, double& seconds, std::uint64_t& bytes,
               bool& complete) const {
         if (!std::filesystem::exists(path_)) return false;
@@ -190,6 +193,7 @@ public:
                             path_.string()));
         archive("dpdref/status", status);
         complete = status == "complete";
+        if (status.starts_with(diverged)) throw Diverged(status.substr(diverged.size()));
         if (!complete && status != "interrupted") return false;
         archive("dpdref/seconds", seconds);
         archive("dpdref/bytes", bytes);
@@ -284,13 +288,15 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
             }
         } catch (Diverged const& divergence) {
             if (file)
-                file->save(fmt::format("diverged: {}", divergence.what()), simulation, *recorder, seconds());
+                file->save(fmt::format("{}{}", diverged, divergence.what()), simulation, *recorder,
+                           seconds());
             throw;
         }
         earlier_seconds = seconds();
         if (file) file->save("complete", simulation, *recorder, earlier_seconds);
     }
     if (options.progress) options.progress(1.0);
+    if (!complete) result.kinetic_temperature = kinetic_temperature(simulation.particles, simulation.box);
     result.record = recorder->record();
     result.counters = simulation.counters;
     result.seconds = earlier_seconds;

@@ -27,8 +27,9 @@ struct RunResult {
     Record record;
     Counters counters;
     std::uint64_t particles = 0;
-    double seconds = 0.0;     ///< wall clock of all its parts
-    std::uint64_t bytes = 0;  ///< memory of state, pair list and search
+    double seconds = 0.0;              ///< wall clock of all its parts
+    std::uint64_t bytes = 0;           ///< memory of state, pair list and search
+    double kinetic_temperature = 0.0;  ///< at the end, energy; 0 if read from a file
     bool from_cache = false;
 };
 

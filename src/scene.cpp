@@ -456,10 +456,9 @@ void check_stages(Scene const& scene, TomlReader const& root) {
                                         fmt::join(potential_stages, ", ")));
     if (scene.has_potential() && scene.sample.stress && scene.equilibration_steps == 0)
         root.fail("time", "has no equilibration; allowed with a potential and stress: at least one step");
-    if (scene.sample.friction_stress && !scene.has_stage("shardlow") && !scene.has_stage("lowe") &&
-        !scene.has_stage("modified_verlet"))
+    if (scene.sample.friction_stress && !has_pair_thermostat && !scene.has_stage("modified_verlet"))
         root.fail("stages",
-                  "have no friction_stress to sample; allowed: with shardlow, lowe or modified_verlet");
+                  "have no friction_stress to sample; allowed: with shardlow, lowe, euler or modified_verlet");
     if (scene.wall_strength && !std::holds_alternative<Soft>(scene.potential))
         root.fail("walls", "have a strength without a soft potential; allowed: no strength");
     if (scene.wall > 0.0 && scene.body_force.opposed)

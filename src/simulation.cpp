@@ -20,6 +20,7 @@ PairList<d>& Simulation<d>::pairs() {
     counters.pairs_found += pairs_.count;
     counters.boundary_pairs += pairs_.crossing.size();
     counters.coincident_pairs += pairs_.coincident;
+    if (pair_search.order == Order::random) counters.random_draws += pairs_.count;
     return pairs_;
 }
 

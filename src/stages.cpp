@@ -172,6 +172,8 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
     simulation.momentum_change.setZero(particles.size(), d);
     double const friction = gamma * simulation.time_step;
     double const noise = sigma * std::sqrt(simulation.time_step);
+    bool const stress_wanted = simulation.stage_stress.wanted;
+    double moved = 0.0;
     double const per_mass = 1.0 / particles.mass;
     double const per_cutoff = 1.0 / cutoff;
 
@@ -194,16 +196,18 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
             for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
             auto const i = pairs.i[k], j = pairs.j[k];
             // [euler impulse]
-            double const momentum =
-                -friction * w_d * approach<d>(velocity, i, j, e, image_speed) + noise * w_r * impulse[k];
+            double const dissipative = -friction * w_d * approach<d>(velocity, i, j, e, image_speed);
+            double const momentum = dissipative + noise * w_r * impulse[k];
             for (int axis = 0; axis < d; ++axis) {
                 change[axis][i] += momentum * e[axis];
                 change[axis][j] -= momentum * e[axis];
             }
             // [euler impulse]
+            if (stress_wanted) moved += dissipative * e[0] * e[1] * pairs.distance[k];
             impulse[k] = momentum * per_mass;
         });
     });
+    simulation.stage_stress.friction = -moved / (simulation.box.volume() * simulation.time_step);
     pairs.updated = true;
 }
 

@@ -219,6 +219,18 @@ double velocity_autocorrelation_tail(Gas const& gas, double eta, double D, doubl
 double velocity_autocorrelation_tail_in_box(Gas const& gas, double eta, double D, double L, double t);
 
 // ---------------------------------------------------------------------------------------------------------
+// Stability (docs/stability.md)
+
+/// Frequency of a density wave k of the fluid with the soft repulsion a (1 - r/rc), g = 1 (random phases,
+/// zero temperature): sqrt(n k^2 U_k/m), U_k the Fourier transform of U = (a rc/2)(1 - r/rc)^2. Unit 1/time;
+/// a in energy/length, k in 1/length. Uses d, n, m, rc. Derived in docs/stability.md.
+double random_phase_frequency(Gas const& gas, double a, double k);
+
+/// 2/omega, the step beyond which velocity-Verlet or symplectic Euler blows up an oscillator, for the largest
+/// random_phase_frequency. Unit time; it scales as (m/(n a rc^(d-1)))^(1/2).
+double harmonic_limit(Gas const& gas, double a);
+
+// ---------------------------------------------------------------------------------------------------------
 // Pivkin & Karniadakis 2006: coarse graining. What is of the atoms is in their units (length sigma, mass m,
 // time tau, energy m sigma^2/tau^2), what is of the DPD fluid in its own: length rc, mass of a particle, and
 // the time unit that @eq{PK2006,4} defines. Three dimensions.

@@ -643,6 +643,14 @@ std::vector<ClosedForm> const& all_forms() {
              if (a.d() != 3) throw std::domain_error("yeh-hummer holds for d = 3 only");
              return diffusion_finite_size_correction(a["kT"], a["eta"], a["L"]);
          }},
+        {"harmonic-limit",
+         "ours",
+         "docs/stability.md",
+         "largest step for the soft repulsion in random phases",
+         "2/max over k of sqrt(n k^2 U_k/m)",
+         {"d", "n", "m", "rc", "a"},
+         {"kT"},
+         [](Arguments const& a) { return harmonic_limit(gas(a, a["n"], a["m"], unused), a["a"]); }},
     };
     return forms;
 }

@@ -41,7 +41,7 @@ RULES = [
     (r"sh verification/fresh\.sh (\w+)", r"sh verification/fresh.sh 2>&1 | grep -w '\1'",
      "installs packages and builds everything"),
     # Definitions are read before the cache is made, here below a file, which fails: no run begins.
-    (r"(dpdref figure (?!ID).*)", r"\1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'",
+    (r"(dpdref (?:figure (?!ID)|stability|work-precision).*)", r"\1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'",
      f"{LONG}; reads the definitions only (figure_test runs small ones)"),
     (r"(dpdref run .* --set time\.duration=5000)", r"\1 --set time.duration=5 --set time.equilibration=1",
      f"{LONG}; shortened"),
@@ -55,6 +55,7 @@ RULES = [
     (r"(cmake --build --preset \w+)", r"\1 --target help", f"{LONG}; lists the targets"),
     (r"(cmake --build build/release) --target docs", r"\1 --target help | grep -w docs",
      f"{LONG}; the target must exist"),
+    (r"(python3 verification/cost\.py \S+)", r"\1 --only free --repetitions 1", f"{LONG}; its cheapest scenes"),
     (r"(ctest --preset \w+)", r"\1 -N | grep 'Total Tests: [1-9]'", f"{LONG}; lists the tests"),
     (r"(ctest -R \S+)", r"\1 -N --test-dir build/release | grep 'Total Tests: [1-9]'",
      "that test runs beside this one; it must exist"),

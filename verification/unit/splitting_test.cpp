@@ -8,6 +8,7 @@
 #include <random>
 
 #include "run.hpp"
+#include "sample.hpp"
 #include "scene.hpp"
 #include "stages.hpp"
 #include "statistics.hpp"
@@ -143,6 +144,22 @@ BOOST_DATA_TEST_CASE(one_euler_step_with_a_force_by_hand, data::make({false, tru
     check_pair(simulation, p);
 }
 
+// The stress of Euler's friction alone, and that the noise has no part in it.
+BOOST_DATA_TEST_CASE(friction_stress_of_euler_by_hand, data::make({0.0, 3.0}), sigma) {
+    double const m = 1.7, gamma = 4.5;
+    auto simulation = two(0.1, m);
+    simulation.stage_stress.wanted = true;
+    simulation.stages = {
+        {"euler", EulerImpulses<3>{.gamma = gamma, .sigma = sigma, .weight = Weight::quadratic}}};
+    Pair const p = pair_of(simulation);
+    simulation.advance();
+    // -(1/V) f_x y of the one pair
+    double const expected = -p.friction(gamma)[0] * p.r[1] / simulation.box.volume();
+    BOOST_TEST(simulation.stage_stress.friction == expected, tolerance(1e-13));
+    double const all = collision_stress(simulation.pairs(), m, simulation.box, simulation.time_step);
+    BOOST_TEST((std::abs(all / expected - 1.0) < 1e-13) == (sigma == 0.0));
+}
+
 // DPD-VV without noise, two steps: the first half kick of the second step has the friction of the velocities
 // with which the first step ended.
 BOOST_DATA_TEST_CASE(two_dpd_vv_steps_by_hand, data::make({false, true}), again) {
@@ -245,4 +262,16 @@ BOOST_DATA_TEST_CASE(green_kubo_of_known_noise, data::make({1, 5}), lasting) {
     BOOST_TEST(std::abs(eta.value - expected) < critical_z(1e-5, eta.blocks) * eta.error,
                eta.value << " +- " << eta.error << " is not " << expected);
     BOOST_TEST(eta.error < 0.03 * expected);
+}
+
+// A constant stress sums to c t, exactly: <G^2> grows by (3/4) (c t)^2 over the second half of the window t.
+BOOST_AUTO_TEST_CASE(green_kubo_of_a_constant) {
+    Scene const s = scene({"stages=['euler','sample','drift','kick']", euler, "sample.observables=['stress']",
+                           "sample.green_kubo.window=2"});
+    Record record;
+    record.series["kinetic_stress"].assign(s.production_steps, 0.1);
+    record.series["collision_stress"].assign(s.production_steps, 0.2);
+    Estimate const eta = find_quantity(analyze(s, {record}), "green_kubo_viscosity")->estimate;
+    BOOST_TEST(eta.value == s.volume() * 0.09 * 2.0 * 0.75, tolerance(1e-12));
+    BOOST_TEST(eta.error < 1e-12);
 }

@@ -1076,6 +1076,36 @@ BOOST_AUTO_TEST_CASE(substeps_set_the_error_whatever_the_outer_step) {
         }
 }
 
+BOOST_AUTO_TEST_CASE(aboba_has_the_positions_right_and_the_velocities_hot) {
+    // The same oscillator under ABOBA. At its ends <x^2> is exact at any step and <v^2> too large by
+    // 1/(1 - (omega dt)^2/4); in its middle, next to the thermostat, it is the other way round.
+    double const kT = 1.7, m = 2.3, omega = 1.9, dt = 0.31, quarter = std::pow(omega * dt, 2) / 4;
+    for (double c : {0.9, 0.2, -0.5}) {
+        double xx = 0.1, xv = 0.0, vv = 3.0, middle_xx = 0.0, middle_vv = 0.0;
+        auto const drift = [&] {
+            double const h = dt / 2;
+            xx += 2 * h * xv + h * h * vv, xv += h * vv;
+        };
+        auto const kick = [&] {
+            double const h = -omega * omega * dt / 2;
+            vv += 2 * h * xv + h * h * xx, xv += h * xx;
+        };
+        for (int step = 0; step < 4000; ++step) {
+            drift();
+            kick();
+            xv *= c, vv = c * c * vv + (1 - c * c) * kT / m;
+            middle_xx = xx, middle_vv = vv;
+            kick();
+            drift();
+        }
+        double const x_exact = kT / (m * omega * omega), v_exact = kT / m;
+        check_close(xx, x_exact, 1e-9);
+        check_close(vv, v_exact / (1 - quarter), 1e-9);
+        check_close(middle_xx, x_exact / (1 - quarter), 1e-9);
+        check_close(middle_vv, v_exact, 1e-9);
+    }
+}
+
 // --------------------------------------------------------------------------------- NG2007, velocity
 // rescaling
 
@@ -1948,7 +1978,8 @@ BOOST_AUTO_TEST_CASE(registry_lists_the_promised_ids_with_known_parameters) {
                                                  "lj-kappa",
                                                  "vacf-tail",
                                                  "vacf-tail-box",
-                                                 "yeh-hummer"};
+                                                 "yeh-hummer",
+                                                "harmonic-limit"};
     std::vector<std::string_view> listed;
     for (auto const& form : closed_forms()) {
         listed.push_back(form.id);
@@ -2069,7 +2100,8 @@ BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
         {"lj-kappa", lennard_jones_inverse_compressibility(0.7, 1.7)},
         {"vacf-tail", velocity_autocorrelation_tail(gas, 3.1, 0.4, 2.7)},
         {"vacf-tail-box", velocity_autocorrelation_tail_in_box(gas, 3.1, 0.4, 12, 2.7)},
-        {"yeh-hummer", diffusion_finite_size_correction(1.7, 3.1, 12)}};
+        {"yeh-hummer", diffusion_finite_size_correction(1.7, 3.1, 12)},
+        {"harmonic-limit", harmonic_limit(gas, 25)}};
     BOOST_TEST(expected.size() == closed_forms().size());
     auto const given_for = [&](std::vector<std::string_view> const& names) {
         Given given;
