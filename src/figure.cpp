@@ -1,22 +1,17 @@
 #include "figure.hpp"
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <exception>
-#include <fstream>
 #include <map>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 #include <sstream>
-#include <thread>
 
+#include "picture.hpp"
 #include "progress.hpp"
 #include "theory/closed_forms.hpp"
 #include "theory/registry.hpp"
@@ -414,62 +409,25 @@ Figure measured(Figure const& planned, Results const& results, double fraction) 
 }
 
 void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
-    struct Job {
-        Scene const* scene;
-        double cost;
-        double done = 0.0;
-        RunResult result{};
-    };
     std::filesystem::create_directories(options.cache);
     // scenes that several points share run once
     std::map<std::string, Scene const*> scenes;
     for (auto const& figure : figures)
         for (auto const& point : figure.points)
             for (auto const& scene : point.runs) scenes.emplace(scene.key(), &scene);
+    std::map<std::string, RunResult> finished;
     std::vector<Job> jobs;
-    for (auto const& [key, scene] : scenes) jobs.push_back({scene, cost_of(*scene)});
-    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
-    double total = 0.0;
-    for (auto const& job : jobs) total += job.cost;
-
-    Progress progress("figures");
-    std::mutex mutex;
-    std::exception_ptr failure;
-    std::atomic<std::size_t> next = 0;
-    std::atomic<bool> stop = false;
-    double done = 0.0;
-    auto const work = [&] {
-        for (std::size_t index = next++; index < jobs.size(); index = next++) {
-            if (stop || (options.stop && *options.stop)) return;
-            Job& job = jobs[index];
-            Scene const& scene = *job.scene;
-            try {
-                RunOptions run_options;
-                run_options.output = options.cache / (scene.key() + ".h5");
-                run_options.stop = options.stop;
-                run_options.progress = [&](double fraction) {
-                    std::scoped_lock const lock(mutex);
-                    done += job.cost * (fraction - job.done);
-                    job.done = fraction;
-                    progress(done / total);
-                };
-                job.result = run(scene, run_options);
-            } catch (...) {
-                std::scoped_lock const lock(mutex);
-                if (!failure) failure = std::current_exception();
-                stop = true;
-            }
-        }
-    };
-    {
-        std::vector<std::jthread> threads;
-        for (unsigned t = 0; t < std::max(1u, options.jobs); ++t) threads.emplace_back(work);
+    for (auto const& [key, scene] : scenes) {
+        auto const file = options.cache / (key + ".h5");
+        jobs.push_back(
+            {cost_of(*scene), [&options, file, scene = scene, &result = finished[key]](auto const& report) {
+                 result = run(*scene, {.output = file, .stop = options.stop, .progress = report});
+             }});
     }
-    if (failure) std::rethrow_exception(failure);
-    if (options.stop && *options.stop)
-        throw Interrupted("interrupted; finished runs are kept, run the command again to go on");
+    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
+    do_jobs("figures", jobs, options);
     Results results;
-    for (auto const& job : jobs) results[job.scene->key()] = &job.result;
+    for (auto const& [key, result] : finished) results[key] = &result;
     for (auto& figure : figures) {
         auto convergence = converge(figure, results);
         figure = measured(figure, results);
@@ -661,19 +619,6 @@ Comparison from_json(Json const& json) {
     return c;
 }
 
-// Writes beside the target and renames: a file is there whole or not at all.
-void write_file(std::filesystem::path const& path, std::string const& content) {
-    auto temporary = path;
-    temporary += ".part";
-    {
-        std::ofstream stream(temporary, std::ios::binary);
-        stream << content;
-        stream.flush();
-        if (!stream) throw InputError(fmt::format("{}: cannot be written", path.string()));
-    }
-    std::filesystem::rename(temporary, path);
-}
-
 // Name of a part of the data files, for gnuplot's `index`.
 std::string part_name(std::string const& curve, Criterion const& criterion) {
     return fmt::format("{}:{}:{}", curve, criterion.quantity, criterion.theory);
@@ -726,53 +671,6 @@ std::string wrapped(std::string const& text) {
         line += (line.empty() ? "" : " ") + word;
     }
     return result + line;
-}
-
-// A string of gnuplot's.
-std::string quoted(std::string const& plain) {
-    std::string q = "\"";
-    for (char const c : plain)
-        q += c == '"' || c == '\\' ? std::string{'\\', c} : c == '\n' ? "\\n" : std::string{c};
-    return q + "\"";
-}
-
-// The nearest file of that name above a figure's directory, or nothing.
-std::optional<std::filesystem::path> find_above(Figure const& figure, std::string const& name) {
-    auto directory = std::filesystem::absolute(figure.directory).lexically_normal();
-    do {
-        directory = directory.parent_path();
-        if (std::filesystem::exists(directory / name)) return directory / name;
-    } while (directory != directory.parent_path());
-    return {};
-}
-
-// Draws output/NAME.svg and .png by `plot`, which finds `variables` and the style set.
-void draw(Figure const& figure, std::filesystem::path const& output, std::string const& name,
-          std::string const& variables, std::filesystem::path const& plot) {
-    auto const style = find_above(figure, "style.gp");
-    if (!style)
-        throw InputError(
-            fmt::format("figure {}: there is no style.gp above {}", figure.id, figure.directory.string()));
-    auto const script = output / "data" / (name + ".gp");
-    std::string const stem = (output / name).string(), commands = quoted(plot.string());
-    write_file(
-        script,
-        fmt::format("{}title_text = {}\nload {}\n", variables, quoted(figure.title),
-                    quoted(style->string())) +
-            fmt::format("caption_size = '11'\nset terminal svg size 800,800 font 'DejaVu Sans,14' background "
-                        "'white'\n"
-                        "set output {}\nload {}\n",
-                        quoted(stem + ".svg"), commands) +
-            fmt::format("caption_size = '15'\nset terminal pngcairo size 1120,1120 font 'DejaVu Sans,20'\n"
-                        "set output {}\nload {}\n",
-                        quoted(stem + ".png"), commands));
-    // a curve that the budget leaves out has no data, of which gnuplot warns
-    std::string const command = fmt::format("gnuplot '{}' 2> '{}.log'", script.string(), script.string());
-    int const status = std::system(command.c_str());
-    std::filesystem::remove(script);
-    if (status == 0) std::filesystem::remove(script.string() + ".log");
-    if (status != 0)
-        throw InputError(fmt::format("figure {}: gnuplot failed, see {}.log", figure.id, script.string()));
 }
 
 constexpr std::size_t most_shown = 7;  // colours that stay distinct
@@ -830,7 +728,7 @@ void write_convergence(Figure const& figure, std::string const& budget, std::fil
                             c.floor, c.floor_error, c.floor_resolved);
     }
     write_file(data, text);
-    auto const plot = find_above(figure, "convergence.gp");
+    auto const plot = find_above(figure.directory, "convergence.gp");
     if (!plot) return;
 
     std::vector<std::string> parts, titles;
@@ -851,12 +749,11 @@ void write_convergence(Figure const& figure, std::string const& budget, std::fil
         "deviation that the error does not explain. Of each curve the first criterion, of a temperature "
         "only where there is no other; at most {}; all are in the data.",
         figure.paper, figure.number, budget, most_shown);
-    draw(figure, output, name,
-         fmt::format("data = {}\ncaption = {}\ncurves = {}\narray part[curves] = [{}]\n"
+    draw(output / name, *plot,
+         fmt::format("title_text = {}\ndata = {}\ncaption = {}\ncurves = {}\narray part[curves] = [{}]\n"
                      "array legend[curves] = [{}]\nleast = {:g}\nfirst = {:g}\nlast = {:g}\n",
-                     quoted(data.string()), quoted(wrapped(caption)), shown.size(), fmt::join(parts, ", "),
-                     fmt::join(titles, ", "), least, first, last),
-         *plot);
+                     quoted(figure.title), quoted(data.string()), quoted(wrapped(caption)), shown.size(),
+                     fmt::join(parts, ", "), fmt::join(titles, ", "), least, first, last));
 }
 
 }  // namespace
@@ -920,12 +817,12 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
     for (auto const& c : comparisons) json["comparisons"].push_back(to_json(c));
     write_file(output / "data" / (figure.id + ".json"), json.dump(1) + "\n");
 
-    draw(figure, output, figure.id,
+    draw(output / figure.id, figure.directory / "plot.gp",
          fmt::format(
-             "data = {}\nlines = {}\ncaption = {}\n", quoted(data.string()), quoted(lines.string()),
+             "title_text = {}\ndata = {}\nlines = {}\ncaption = {}\n", quoted(figure.title),
+             quoted(data.string()), quoted(lines.string()),
              quoted(wrapped(fmt::format("{} Fig. {}. {} Run time {} ({} budget).", figure.paper,
-                                        figure.number, figure.caption, duration_text(seconds), budget)))),
-         figure.directory / "plot.gp");
+                                        figure.number, figure.caption, duration_text(seconds), budget)))));
     write_convergence(figure, budget, output);
 }
 
@@ -937,8 +834,7 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {
         if (entry.path().extension() == ".json" && entry.path().stem() != "report")
             files.push_back(entry.path());
     // as `figure all` orders them
-    std::sort(files.begin(), files.end(),
-              [](auto const& a, auto const& b) { return a.stem() < b.stem(); });
+    std::sort(files.begin(), files.end(), [](auto const& a, auto const& b) { return a.stem() < b.stem(); });
     for (auto const& file : files) {
         try {
             Json const content = Json::parse(read_file(file));

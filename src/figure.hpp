@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "campaign.hpp"
 #include "run.hpp"
 #include "scene.hpp"
 #include "statistics.hpp"
@@ -112,13 +113,6 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
 
 /// Ids of the figures that `verification` holds, sorted.
 std::vector<std::string> figure_ids(std::filesystem::path const& verification);
-
-struct CampaignOptions {
-    std::filesystem::path cache;
-    std::filesystem::path output;
-    unsigned jobs = 1;
-    std::atomic<bool> const* stop = nullptr;
-};
 
 /// Runs what the cache lacks, the longest runs first, `jobs` at a time. Throws the first error of a run.
 void run_points(std::vector<Figure>& figures, CampaignOptions const& options);

@@ -7,13 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <mutex>
 #include <sstream>
-#include <thread>
 
+#include "picture.hpp"
 #include "progress.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
@@ -231,56 +229,24 @@ double cost_of_step(Scene const& scene, std::filesystem::path const& cache) {
 
 void run_studies(std::vector<Study>& studies, CampaignOptions const& options) {
     std::filesystem::create_directories(options.cache);
-    std::vector<StudyRun*> jobs;
-    double total = 0.0, done = 0.0;
+    std::vector<Job> jobs;
     for (auto& study : studies)
-        for (auto& run : study.runs) {
-            jobs.push_back(&run);
-            total += double(run.scene.steps());
-        }
-    std::stable_sort(jobs.begin(), jobs.end(),
-                     [](auto const* a, auto const* b) { return a->scene.steps() > b->scene.steps(); });
-    Progress progress("work and precision");
-    std::mutex mutex;
-    std::exception_ptr failure;
-    std::atomic<std::size_t> next = 0;
-    std::atomic<bool> failed = false;
-    auto const work = [&] {
-        for (std::size_t index = next++; index < jobs.size(); index = next++) {
-            if (failed || (options.stop && *options.stop)) return;
-            StudyRun& job = *jobs[index];
-            auto const steps = double(job.scene.steps());
-            double reported = 0.0;
-            auto const report = [&](double fraction) {
-                std::scoped_lock const lock(mutex);
-                done += steps * (fraction - reported);
-                reported = fraction;
-                progress(done / total);
-            };
-            try {
-                RunOptions run_options{.output = options.cache / (job.scene.key() + ".h5"),
-                                       .stop = options.stop,
-                                       .progress = report};
-                job.record = run(job.scene, run_options).record;
-                job.quantities = analyze(job.scene, {job.record});
-                job.seconds_per_step = cost_of_step(job.scene, options.cache);
-            } catch (Diverged const&) {
-                job.diverged = true;
-                report(1.0);
-            } catch (...) {
-                std::scoped_lock const lock(mutex);
-                if (!failure) failure = std::current_exception();
-                failed = true;
-            }
-        }
-    };
-    {
-        std::vector<std::jthread> threads;
-        for (unsigned t = 0; t < std::max(1u, options.jobs); ++t) threads.emplace_back(work);
-    }
-    if (failure) std::rethrow_exception(failure);
-    if (options.stop && *options.stop)
-        throw Interrupted("interrupted; finished runs are kept, run the command again to go on");
+        for (auto& job : study.runs)
+            jobs.push_back({double(job.scene.steps()), [&](auto const& report) {
+                                auto const file = options.cache / (job.scene.key() + ".h5");
+                                try {
+                                    job.record =
+                                        run(job.scene,
+                                            {.output = file, .stop = options.stop, .progress = report})
+                                            .record;
+                                    job.quantities = analyze(job.scene, {job.record});
+                                    job.seconds_per_step = cost_of_step(job.scene, options.cache);
+                                } catch (Diverged const&) {
+                                    job.diverged = true;
+                                }
+                            }});
+    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
+    do_jobs("work and precision", jobs, options);
 }
 
 // --- errors ----------------------------------------------------------------------------------------------
@@ -566,10 +532,9 @@ std::string cheapest_table(std::vector<MethodErrors> const& methods) {
         for (double const target : targets) {
             auto const list = offers(methods, o.quantity, target);
             for (std::size_t place = 0; place < 2; ++place)
-                table += place < list.size()
-                             ? fmt::format(" {}, {:g}, {:.2g} s |", list[place].integrator, list[place].step,
-                                           list[place].seconds)
-                             : std::string(" none |");
+                table += place < list.size() ? fmt::format(" {}, {:g}, {:.2g} s |", list[place].integrator,
+                                                           list[place].step, list[place].seconds)
+                                             : std::string(" none |");
         }
     }
     return table + "\n";
@@ -640,32 +605,6 @@ std::string data_of(Study const& study, Reference const& reference,
     return text;
 }
 
-void write_text(std::filesystem::path const& path, std::string const& content) {
-    auto temporary = path;
-    temporary += ".part";
-    if (!(std::ofstream(temporary, std::ios::binary) << content).flush())
-        throw InputError(fmt::format("{}: cannot be written", path.string()));
-    std::filesystem::rename(temporary, path);
-}
-
-// Draws one script as svg and png.
-void draw(std::filesystem::path const& script, std::string const& definitions,
-          std::filesystem::path const& stem) {
-    auto const file = std::filesystem::path(stem).concat(".gp");
-    std::string text = definitions;
-    for (auto const& [terminal, ending] :
-         {std::pair{"svg size 1000,1250 font 'DejaVu Sans,14' background 'white'", "svg"},
-          std::pair{"pngcairo size 1400,1750 font 'DejaVu Sans,19'", "png"}})
-        text += fmt::format("set terminal {}\nset output '{}.{}'\nload '{}'\n", terminal, stem.string(),
-                            ending, script.string());
-    write_text(file, text);
-    int const status = std::system(fmt::format("gnuplot '{0}' 2> '{0}.log'", file.string()).c_str());
-    if (status != 0)
-        throw InputError(fmt::format("{}: gnuplot failed, see {}.log", stem.string(), file.string()));
-    std::filesystem::remove(file);
-    std::filesystem::remove(file.string() + ".log");
-}
-
 }  // namespace
 
 void write_study(Study const& study, std::string const& budget, std::filesystem::path const& directory,
@@ -678,28 +617,27 @@ void write_study(Study const& study, std::string const& budget, std::filesystem:
     auto const data = output / "data" / (study.name + ".dat");
     std::string const origin = fmt::format("dpdref {}, engine revision {}; {} budget, processor time {}",
                                            version, engine_revision, budget, duration_text(seconds));
-    write_text(data, fmt::format("# {}; {}\n\n\n", study.title, origin) + data_of(study, reference, methods));
+    write_file(data, fmt::format("# {}; {}\n\n\n", study.title, origin) + data_of(study, reference, methods));
     std::string const table = fmt::format("Cheapest integrators:\n\n{}\nOrders seen:\n\n{}",
                                           cheapest_table(methods), order_table(study, reference, methods));
-    write_text(output / "data" / (study.name + ".md"), table);
+    write_file(output / "data" / (study.name + ".md"), table);
     fmt::print("{}\n\n{}\n", study.title, table);
 
     std::string names, observables, labels;
-    for (auto const& name : study.integrators) names += fmt::format("{}'{}'", names.empty() ? "" : ",", name);
+    for (auto const& name : study.integrators) names += (names.empty() ? "" : ",") + quoted(name);
     for (auto const& o : study_observables()) {
-        observables += fmt::format("{}'{}'", observables.empty() ? "" : ",", o.quantity);
-        labels += fmt::format("{}'{}'", labels.empty() ? "" : ",", o.label);
+        observables += (observables.empty() ? "" : ",") + quoted(o.quantity);
+        labels += (labels.empty() ? "" : ",") + quoted(o.label);
     }
     std::string const definitions = fmt::format(
-        "script_directory = '{}'\ndata = '{}'\ntitle_text = '{}'\norigin = '{}'\narray names[{}] = "
-        "[{}]\narray observables[{}] = "
-        "[{}]\narray labels[{}] = [{}]\nload '{}'\n",
-        directory.string(), data.string(), study.title, origin, study.integrators.size(), names,
-        study_observables().size(), observables, study_observables().size(), labels,
-        (directory.parent_path().parent_path() / "style.gp").string());
+        "script_directory = {}\ndata = {}\ntitle_text = {}\norigin = {}\narray names[{}] = [{}]\n"
+        "array observables[{}] = [{}]\narray labels[{}] = [{}]\n",
+        quoted(directory.string()), quoted(data.string()), quoted(study.title), quoted(origin),
+        study.integrators.size(), names, study_observables().size(), observables, study_observables().size(),
+        labels);
     for (char const* picture : {"step", "time", "total"})
-        draw(directory / (std::string(picture) + ".gp"), definitions,
-             output / fmt::format("{}-{}", study.name, picture));
+        draw(output / fmt::format("{}-{}", study.name, picture), directory / (std::string(picture) + ".gp"),
+             definitions, 1000, 1250);
 }
 
 }  // namespace dpd

@@ -1007,7 +1007,7 @@ BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
 
 BOOST_AUTO_TEST_CASE(companions_show_one_criterion_of_a_curve) {
     if (std::system("command -v gnuplot >/dev/null") != 0) return;
-    // the nearest style above the figure, not the one above that
+    // the nearest style above the script, not the one above that
     auto const deep = directory / "deep" / "deeper" / "test";
     std::filesystem::create_directories(deep);
     std::ofstream(deep / "plot.gp").close();
@@ -1024,7 +1024,7 @@ BOOST_AUTO_TEST_CASE(companions_show_one_criterion_of_a_curve) {
         return std::string();
     };
     BOOST_TEST(complaint_of_writing() ==
-               fmt::format("figure made: there is no style.gp above {}", deep.string()));
+               fmt::format("{}: there is no style.gp above it", (deep / "plot.gp").string()));
     std::ofstream(directory / "style.gp") << "style = 'far'\n";
     std::ofstream(directory / "deep" / "style.gp") << "style = 'near'\n";
     BOOST_TEST(complaint_of_writing() == "");  // nothing converges, nothing is drawn
@@ -1052,7 +1052,7 @@ BOOST_AUTO_TEST_CASE(companions_show_one_criterion_of_a_curve) {
     BOOST_TEST(complaint_of_writing() == "");  // data without a picture
     BOOST_TEST(std::filesystem::exists(data));
     BOOST_TEST(!std::filesystem::exists(output / "made.convergence.svg"));
-    std::ofstream(directory / "convergence.gp")
+    std::ofstream(directory / "deep" / "convergence.gp")
         << "set print data.'.seen'\nprint style.' '.title_text.sprintf(' %g %g %g', least, first, last)\n"
            "do for [n=1:curves] { print part[n].'|'.legend[n] }\n"
            "plot for [n=1:curves] data index part[n] using 1:3\n";
@@ -1064,7 +1064,7 @@ BOOST_AUTO_TEST_CASE(companions_show_one_criterion_of_a_curve) {
     };
     for (char const* ending : {"svg", "png"})
         BOOST_TEST(std::filesystem::exists(output / fmt::format("made.convergence.{}", ending)));
-    BOOST_TEST(!std::filesystem::exists(output / "data" / "made.convergence.gp"));
+    BOOST_TEST(!std::filesystem::exists(output / "made.convergence.gp"));
     // temperatures last
     BOOST_TEST(content(data.string() + ".seen") ==
                "near a title 0.2 1 4\n"
