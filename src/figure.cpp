@@ -658,6 +658,13 @@ std::string theory_lines(Figure const& figure) {
     return text;
 }
 
+// What a figure regenerates: "NG2007 Fig. 2", or what it is about where its number is none.
+std::string source_of(Figure const& figure) {
+    bool const numbered =
+        !figure.number.empty() && figure.number.front() >= '0' && figure.number.front() <= '9';
+    return fmt::format("{}{} {}", figure.paper, numbered ? " Fig." : ",", figure.number);
+}
+
 // Breaks a caption into lines that fit below the plot.
 std::string wrapped(std::string const& text) {
     constexpr std::size_t width = 105;
@@ -743,12 +750,12 @@ void write_convergence(Figure const& figure, std::string const& budget, std::fil
             if (state.error > 0.0) least = std::min(least, state.error);
     }
     std::string const caption = fmt::format(
-        "{} Fig. {}, error against run time ({} budget). Symbols: root mean square, over a curve's "
+        "{}: error against run time ({} budget). Symbols: root mean square, over a curve's "
         "points, of the relative deviation from the theory; dashed: of the relative standard error; "
         "grey: falling as the inverse root of the run time. Bars at the right: floor, the part of the "
         "deviation that the error does not explain. Of each curve the first criterion, of a temperature "
         "only where there is no other; at most {}; all are in the data.",
-        figure.paper, figure.number, budget, most_shown);
+        source_of(figure), budget, most_shown);
     draw(output / name, *plot,
          fmt::format("title_text = {}\ndata = {}\ncaption = {}\ncurves = {}\narray part[curves] = [{}]\n"
                      "array legend[curves] = [{}]\nleast = {:g}\nfirst = {:g}\nlast = {:g}\n",
@@ -818,11 +825,10 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
     write_file(output / "data" / (figure.id + ".json"), json.dump(1) + "\n");
 
     draw(output / figure.id, figure.directory / "plot.gp",
-         fmt::format(
-             "title_text = {}\ndata = {}\nlines = {}\ncaption = {}\n", quoted(figure.title),
-             quoted(data.string()), quoted(lines.string()),
-             quoted(wrapped(fmt::format("{} Fig. {}. {} Run time {} ({} budget).", figure.paper,
-                                        figure.number, figure.caption, duration_text(seconds), budget)))));
+         fmt::format("title_text = {}\ndata = {}\nlines = {}\ncaption = {}\n", quoted(figure.title),
+                     quoted(data.string()), quoted(lines.string()),
+                     quoted(wrapped(fmt::format("{}. {} Run time {} ({} budget).", source_of(figure),
+                                                figure.caption, duration_text(seconds), budget)))));
     write_convergence(figure, budget, output);
 }
 

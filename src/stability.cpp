@@ -7,16 +7,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <exception>
 #include <fstream>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
 #include "errors.hpp"
-#include "progress.hpp"
+#include "picture.hpp"
 #include "run.hpp"
 #include "simulation.hpp"
 #include "theory/closed_forms.hpp"
@@ -262,19 +258,6 @@ Trials trials_from_json(Json const& list) {
     return trials;
 }
 
-// Writes beside the target and renames: a file is there whole or not at all.
-void write_whole(std::filesystem::path const& path, std::string const& content) {
-    auto temporary = path;
-    temporary += ".part";
-    {
-        std::ofstream stream(temporary, std::ios::binary);
-        stream << content;
-        stream.flush();
-        if (!stream) throw InputError(fmt::format("{}: cannot be written", path.string()));
-    }
-    std::filesystem::rename(temporary, path);
-}
-
 bool restore(StabilityPoint& point, std::filesystem::path const& file) {
     if (!std::filesystem::exists(file)) return false;
     try {
@@ -297,7 +280,7 @@ void store(StabilityPoint const& point, std::filesystem::path const& file) {
                     {"frozen_friction", point.frozen.friction},
                     {"frozen_repulsion", point.frozen.repulsion},
                     {"trials", to_json(point.trials, true)}};
-    write_whole(file, json.dump() + "\n");
+    write_file(file, json.dump() + "\n");
 }
 
 }  // namespace
@@ -317,61 +300,30 @@ void find_edges(StabilityPoint& point, std::atomic<bool> const* stop) {
     point.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
 }
 
-void find_edges(std::vector<StabilityMap>& maps, StabilityOptions const& options) {
+void find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options) {
     std::filesystem::create_directories(options.cache);
     // points that several maps share run once
     std::map<std::string, std::vector<StabilityPoint*>> shared;
-    std::vector<std::string> order;
-    double total = 0.0, done = 0.0;
-    auto const cost = [](StabilityPoint const& point) { return 2.0 + point.density; };
     for (auto& map : maps)
-        for (auto& point : map.points) {
-            auto& points = shared[point.key()];
-            if (points.empty()) {
-                order.push_back(point.key());
-                total += cost(point);
-            }
-            points.push_back(&point);
-        }
+        for (auto& point : map.points) shared[point.key()].push_back(&point);
+    std::vector<Job> jobs;
+    for (auto const& [key, points] : shared)
+        jobs.push_back({2.0 + points.front()->density,
+                        [&options, &points = points, file = options.cache / (key + ".json")](auto const&) {
+                            StabilityPoint& first = *points.front();
+                            if (!restore(first, file)) {
+                                find_edges(first, options.stop);
+                                store(first, file);
+                            }
+                            for (auto* const other : points) {
+                                other->trials = first.trials;
+                                other->frozen = first.frozen;
+                                other->seconds = first.seconds;
+                            }
+                        }});
     // the cheap ones first: an interrupted campaign then has most of its points
-    std::stable_sort(order.begin(), order.end(), [&](std::string const& a, std::string const& b) {
-        return cost(*shared.at(a).front()) < cost(*shared.at(b).front());
-    });
-    Progress progress("stability");
-    std::mutex mutex;
-    std::exception_ptr failure;
-    std::atomic<std::size_t> next = 0;
-    std::atomic<bool> failed = false;
-    auto const work = [&] {
-        for (std::size_t k = next++; k < order.size() && !failed; k = next++) {
-            auto const& points = shared.at(order[k]);
-            StabilityPoint& first = *points.front();
-            try {
-                auto const file = options.cache / (order[k] + ".json");
-                if (!restore(first, file)) {
-                    stop_if(options.stop);
-                    find_edges(first, options.stop);
-                    store(first, file);
-                }
-                for (auto* const other : points) {
-                    other->trials = first.trials;
-                    other->frozen = first.frozen;
-                    other->seconds = first.seconds;
-                }
-                std::scoped_lock const lock(mutex);
-                progress((done += cost(first)) / total);
-            } catch (...) {
-                std::scoped_lock const lock(mutex);
-                if (!failure) failure = std::current_exception();
-                failed = true;
-            }
-        }
-    };
-    {
-        std::vector<std::jthread> threads;
-        for (unsigned t = 0; t < std::max(1u, options.jobs); ++t) threads.emplace_back(work);
-    }
-    if (failure) std::rethrow_exception(failure);
+    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost < b.cost; });
+    do_jobs("stability", jobs, options);
 }
 
 // --- definition ------------------------------------------------------------------------------------------
@@ -638,41 +590,21 @@ Json json_of(StabilityMap const& map, std::string const& budget) {
     return json;
 }
 
-void draw(std::string const& plot, std::filesystem::path const& directory,
-          std::filesystem::path const& output) {
-    auto const quoted = [](std::filesystem::path const& path) {
-        std::string text;
-        for (char const c : path.string()) text += c == '\'' ? std::string("''") : std::string(1, c);
-        return "'" + text + "'";
-    };
-    auto const script = output / "data" / (plot + ".gp");
-    std::string text = fmt::format("data = {}\nscripts = {}\n", quoted(output / "data"), quoted(directory));
-    for (auto const& [type, terminal] :
-         {std::pair{"svg", "svg size 800,900 font 'DejaVu Sans,14' background 'white'"},
-          {"png", "pngcairo size 1120,1260 font 'DejaVu Sans,20'"}})
-        text += fmt::format("reset\nset terminal {}\nset output {}\nload {}\nload {}\nset output\n", terminal,
-                            quoted(output / (plot + "." + type)),
-                            quoted(directory.parent_path() / "style.gp"), quoted(directory / (plot + ".gp")));
-    write_whole(script, text);
-    // a curve that the budget leaves out has no data, of which gnuplot warns
-    std::string const log = script.string() + ".log";
-    int const status = std::system(fmt::format("gnuplot '{}' 2> '{}'", script.string(), log).c_str());
-    std::filesystem::remove(script);
-    if (status != 0) throw InputError(fmt::format("plot {}: gnuplot failed, see {}", plot, log));
-    std::filesystem::remove(log);
-}
-
 }  // namespace
 
 void write_stability(std::vector<StabilityMap> const& maps, std::string const& budget,
                      std::filesystem::path const& directory, std::filesystem::path const& output) {
     std::filesystem::create_directories(output / "data");
     for (auto const& map : maps) {
-        write_whole(output / "data" / (map.name + ".dat"), data_of(map, budget));
-        write_whole(output / "data" / (map.name + ".json"), json_of(map, budget).dump(1) + "\n");
+        write_file(output / "data" / (map.name + ".dat"), data_of(map, budget));
+        write_file(output / "data" / (map.name + ".json"), json_of(map, budget).dump(1) + "\n");
     }
     for (auto const& map : maps)
-        for (auto const& plot : map.plots) draw(plot, directory, output);
+        for (auto const& plot : map.plots)
+            draw(output / plot, directory / (plot + ".gp"),
+                 fmt::format("data = {}\nscripts = {}\n", quoted((output / "data").string()),
+                             quoted(directory.string())),
+                 800, 900);
 }
 
 }  // namespace dpd

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "campaign.hpp"
 #include "scene.hpp"
 #include "simulation.hpp"
 #include "statistics.hpp"
@@ -114,12 +115,6 @@ struct StabilityMap {
     std::vector<StabilityPoint> points;
 };
 
-struct StabilityOptions {
-    std::filesystem::path cache, output;
-    unsigned jobs = 1;
-    std::atomic<bool> const* stop = nullptr;
-};
-
 /// Reads the maps of a budget ("quick" or "paper"). InputError as for scenes.
 std::vector<StabilityMap> load_stability(std::filesystem::path const& file, std::string const& budget);
 
@@ -128,7 +123,7 @@ void find_edges(StabilityPoint& point, std::atomic<bool> const* stop = nullptr);
 
 /// Bisects for all points that the cache lacks, `jobs` at a time; each is stored as soon as it is done.
 /// Throws the first error, or Interrupted.
-void find_edges(std::vector<StabilityMap>& maps, StabilityOptions const& options);
+void find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options);
 
 /// Writes data and pictures of the maps to `output`; gnuplot draws with the scripts of `directory`.
 void write_stability(std::vector<StabilityMap> const& maps, std::string const& budget,

@@ -126,6 +126,9 @@ sed 's/friction = 3.0/fiction = 3.0/' scene.toml >unknown.toml
 expect 2 unknown.toml:8 shardlow.friction "is missing" -- run unknown.toml
 expect 2 "trajectory: " allowed --out -- run scene.toml --set trajectory.interval=5
 
+expect 2 "stability.toml" -- stability --verification "$work" --cache c
+expect 2 "work-precision nonsense" allowed integrators -- work-precision nonsense
+
 # --- run: outputs that cannot be written ----------------------------------------------------------------
 expect 2 no/such/directory -- run scene.toml --out no/such/directory/a.h5
 mkdir directory

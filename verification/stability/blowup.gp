@@ -26,7 +26,7 @@ set title "Just beyond the largest usable step, a = 25: hot, but bounded"
 set format x "10^{%T}"
 set xlabel "steps" offset 0,0.4
 set yrange [0.7:300]; set format y "%g"
-set key at screen 0.53,0.06 center center maxrows 3 samplen 1.2 width -2
+set key at screen 0.53,0.06 center center maxrows 3 samplen 1.2 width -1
 plot 2 with lines lw 2 lc rgb grey notitle, \
      for [k=1:10] map index name[k].":25:hot" with lines lw 1.5 lc rgb colour[k] title name[k]
 unset multiplot

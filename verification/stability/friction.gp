@@ -7,7 +7,7 @@ set xrange [0.07:1500]
 set format y "10^{%T}"
 set ylabel "largest step Δt" offset 0.5,0
 
-set tmargin at screen 0.95; set bmargin at screen 0.60
+set tmargin at screen 0.95; set bmargin at screen 0.61
 set title "Largest step at density 3: usable (symbols), bounded (dotted)" offset 0,-0.5
 set format x ""
 set yrange [3e-4:30]
@@ -18,13 +18,13 @@ plot map index name[1].":0" using 1:critical with lines lw 5 lc rgb "#cccccc", \
      for [k=1:5] map index name[k].":0" using 1:(edge(bounded)) with lines lw 1.5 dt 3 lc rgb colour[k], \
      for [k=1:5] map index name[k].":0" using 1:(edge(usable)) with linespoints pt symbol[k] ps 1 lw 1.5 lc rgb colour[k]
 
-set tmargin at screen 0.58; set bmargin at screen 0.22
+set tmargin at screen 0.59; set bmargin at screen 0.25
 unset title
 set format x "%g"
 set xlabel "friction γ" offset 0,0.4
 set yrange [1e-4:30]
 set label 1 "repulsion a = 25"
-set key at screen 0.53,0.075 center center maxrows 4 samplen 1.2 width -2
+set key at screen 0.53,0.09 center center maxrows 5 samplen 1.2 width -2
 plot map index name[1].":25" using 1:critical with lines lw 5 lc rgb "#cccccc" title "MY1997 eq. 25", \
      map index name[1].":25" using 1:harmonic with lines lw 5 lc rgb "#f0d0d0" title "harmonic limit", \
      map index name[1].":25" using 1:(column(rates)) with lines lw 2 dt 2 lc rgb "#e0a080" title "frozen friction", \
