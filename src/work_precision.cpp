@@ -133,6 +133,9 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
         std::string const reference = fluid.text("reference", std::nullopt);
         double const duration = fluid.number("duration", std::nullopt, positive),
                      reference_duration = fluid.number("reference_duration", std::nullopt, positive);
+        study.table_step = fluid.number("table_step", std::nullopt, positive);
+        if (std::find(steps.begin(), steps.end(), study.table_step) == steps.end())
+            fluid.fail("table_step", "is none of the steps; allowed: one of them");
         fluid.finish();
         auto const add = [&](Integrator const& integrator, double step, bool is_reference, bool sheared) {
             auto const& m = measurements.at(sheared);
@@ -192,25 +195,25 @@ double thread_seconds() {
     return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
-// Processor time of one step of a scene, its sampling included: the least of a few short runs.
+// Processor time of one step of a scene, its sampling included: the least of a few short runs, less what
+// it takes to set one up.
 double measure_cost(Scene const& scene) {
-    constexpr int repetitions = 2;
-    constexpr std::uint64_t few = 20, many = 120;
-    double least = INFINITY;
-    for (int repetition = 0; repetition < repetitions; ++repetition) {
-        double seconds[2];
-        for (int k = 0; k < 2; ++k) {
-            Scene part = scene;
-            part.equilibration_steps = part.sample.equilibration = few;
-            part.production_steps = k == 0 ? few : many;
-            part.sample.steps = part.steps();
+    constexpr int repetitions = 3;
+    constexpr std::uint64_t few = 20, many = 140;
+    auto const least = [&](std::uint64_t production) {
+        Scene part = scene;
+        part.equilibration_steps = part.sample.equilibration = few;
+        part.production_steps = production;
+        part.sample.steps = part.steps();
+        double best = INFINITY;
+        for (int repetition = 0; repetition < repetitions; ++repetition) {
             double const start = thread_seconds();
             run(part);
-            seconds[k] = thread_seconds() - start;
+            best = std::min(best, thread_seconds() - start);
         }
-        least = std::min(least, (seconds[1] - seconds[0]) / double(many - few));
-    }
-    return least;
+        return best;
+    };
+    return (least(many) - least(few)) / double(many - few);
 }
 
 // The cost of a step, measured once per cache.
@@ -277,12 +280,15 @@ Limit limit_of_step_zero(std::vector<double> const& steps, std::vector<Estimate>
     Eigen::MatrixXd f(n, 2);
     Eigen::VectorXd y(n), errors(n);
     Limit limit;
+    // a bin of g(r) in which a run has found no pair has no scatter; where none has, there is nothing to fit
+    double largest_error = 0.0;
+    for (auto const& value : values) largest_error = std::max(largest_error, value.error);
+    if (largest_error == 0.0) return limit;
     for (Eigen::Index k = 0; k < n; ++k) {
         auto const& value = values[std::size_t(k)];
         f.row(k) << 1.0, std::pow(steps[std::size_t(k)], 2);
         y[k] = value.value;
-        // a bin of g(r) in which no pair was ever found has no scatter, and nothing to fit
-        errors[k] = value.error > 0.0 ? value.error : 1e-12;
+        errors[k] = value.error > 0.0 ? value.error : largest_error;
         limit.estimate.blocks = k == 0 ? value.blocks : std::min(limit.estimate.blocks, value.blocks);
     }
     Fit const fit = weighted_fit(f, y, errors);
@@ -374,12 +380,15 @@ struct MethodErrors {
     }
     double seconds_per_time(Deviation const& at) const { return at.seconds / at.duration; }
 
-    // The step that reaches a target first; none if none does.
+    // The step that reaches a target first; none if none does. Over less than `shortest` in time there is no
+    // mean to speak of, and the variance is not that of independent samples.
     std::pair<double, double> cheapest(double target) const {
+        constexpr double shortest = 1.0;
         std::pair<double, double> best{INFINITY, 0.0};
-        for (auto const& d : deviations)
-            best = std::min(best,
-                            {seconds_to_reach(target, bias(d), variance_time, seconds_per_time(d)), d.step});
+        for (auto const& d : deviations) {
+            double const seconds = seconds_to_reach(target, bias(d), variance_time, seconds_per_time(d));
+            best = std::min(best, {std::max(seconds, shortest * seconds_per_time(d)), d.step});
+        }
         return best;
     }
 
@@ -540,35 +549,55 @@ std::string cheapest_table(std::vector<MethodErrors> const& methods) {
     return table + "\n";
 }
 
-// The limits of step zero, and the orders seen: a dash where fewer than two deviations are clear of noise.
-std::string order_table(Study const& study, Reference const& reference,
-                        std::vector<MethodErrors> const& methods) {
-    std::string head = "|  |", rule = "\n|---|", limits = "\n| limit of step zero |";
+// A table with a row per integrator and a column per observable; `cell` may have nothing to say.
+template <class Cell>
+std::string table_of(Study const& study, std::vector<MethodErrors> const& methods,
+                     std::string const& first_row, Cell&& cell) {
+    std::string table = "|  |", rule = "\n|---|";
     for (auto const& o : study_observables()) {
-        head += fmt::format(" {} |", o.label);
+        table += fmt::format(" {} |", o.label);
         rule += "---|";
-        auto const found = reference.limits.find(o.quantity);
-        if (found == reference.limits.end()) {
-            limits += " |";
-            continue;
-        }
-        auto const& estimate = found->second.estimate;
-        limits += estimate.error > 0.0 ? fmt::format(" {:.6g} ± {:.1g} |", estimate.value, estimate.error)
-                                       : fmt::format(" {:g}, exact |", estimate.value);
     }
-    std::string table = head + rule + limits;
+    table += rule + first_row;
     for (auto const& integrator : study.integrators) {
         table += fmt::format("\n| {} |", integrator);
         for (auto const& o : study_observables()) {
             auto const found = std::find_if(methods.begin(), methods.end(), [&](MethodErrors const& m) {
                 return m.integrator == integrator && m.observable == &o;
             });
-            table += found != methods.end() && found->law.order_points >= 2
-                         ? fmt::format(" {:.1f} ± {:.1f} |", found->law.order, found->law.order_error)
-                         : std::string(" – |");
+            std::string const text = found != methods.end() ? cell(*found) : std::string();
+            table += fmt::format(" {} |", text.empty() ? "–" : text);
         }
     }
     return table + "\n";
+}
+
+// The limits of step zero, and the orders seen where two deviations or more are clear of noise.
+std::string order_table(Study const& study, Reference const& reference,
+                        std::vector<MethodErrors> const& methods) {
+    std::string limits = "\n| limit of step zero |";
+    for (auto const& o : study_observables()) {
+        auto const found = reference.limits.find(o.quantity);
+        if (found == reference.limits.end())
+            limits += " |";
+        else if (auto const& estimate = found->second.estimate; estimate.error > 0.0)
+            limits += fmt::format(" {:.6g} ± {:.1g} |", estimate.value, estimate.error);
+        else
+            limits += fmt::format(" {:g}, exact |", estimate.value);
+    }
+    return table_of(study, methods, limits, [](MethodErrors const& m) {
+        return m.law.order_points >= 2 ? fmt::format("{:.1f} ± {:.1f}", m.law.order, m.law.order_error)
+                                       : std::string();
+    });
+}
+
+std::string deviation_table(Study const& study, std::vector<MethodErrors> const& methods) {
+    return table_of(study, methods, "", [&](MethodErrors const& m) {
+        for (auto const& d : m.deviations)
+            if (d.step == study.table_step)
+                return fmt::format("{:+.2f} ± {:.2f}", 100.0 * d.value, 100.0 * d.error);
+        return std::string();
+    });
 }
 
 std::string data_of(Study const& study, Reference const& reference,
@@ -618,8 +647,12 @@ void write_study(Study const& study, std::string const& budget, std::filesystem:
     std::string const origin = fmt::format("dpdref {}, engine revision {}; {} budget, processor time {}",
                                            version, engine_revision, budget, duration_text(seconds));
     write_file(data, fmt::format("# {}; {}\n\n\n", study.title, origin) + data_of(study, reference, methods));
-    std::string const table = fmt::format("Cheapest integrators:\n\n{}\nOrders seen:\n\n{}",
-                                          cheapest_table(methods), order_table(study, reference, methods));
+    std::string const table = fmt::format(
+        "Cheapest integrators:\n\n{}\nDeviations at step {:g} in per cent:\n\n{}\nLimits of step zero, and "
+        "orders "
+        "seen:\n\n{}",
+        cheapest_table(methods), study.table_step, deviation_table(study, methods),
+        order_table(study, reference, methods));
     write_file(output / "data" / (study.name + ".md"), table);
     fmt::print("{}\n\n{}\n", study.title, table);
 

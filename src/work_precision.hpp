@@ -41,6 +41,7 @@ std::vector<Observable> const& study_observables();
 /// A fluid and its integrators.
 struct Study {
     std::string name, title;
+    double table_step = 0.0;                  ///< of the table of deviations
     std::vector<std::string> integrators;     ///< in the order of the file
     std::vector<std::string> other_dynamics;  ///< of these, those with transport coefficients of their own
     std::vector<StudyRun> runs;

@@ -137,7 +137,7 @@ def all_tests():
     found = {}
     for file in sorted((ROOT / "verification" / "unit").glob("*_test.cpp")):
         for number, line in enumerate(read(file).splitlines()):
-            match = re.match(r"BOOST_(?:AUTO|DATA)_TEST_CASE\((\w+)", line)
+            match = re.match(r"BOOST_(?:AUTO|DATA|FIXTURE)_TEST_CASE\((\w+)", line)
             if match:
                 found[f"{file.stem.removesuffix('_test')}: {match[1]}"] = (file, number + 1)
     return found

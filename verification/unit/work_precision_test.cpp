@@ -45,6 +45,20 @@ BOOST_AUTO_TEST_CASE(limit_of_step_zero_without_noise) {
     BOOST_TEST(limit.estimate.error == 0.1 * std::sqrt(98.0 / (3 * 98.0 - 196.0)), tolerance(1e-12));
 }
 
+// Bins of g(r) near r = 0: a run that found no pair there counts with the error of the others; if no run has
+// found one the limit is zero.
+BOOST_AUTO_TEST_CASE(limit_of_step_zero_of_empty_bins) {
+    auto const limit = [](double error) {
+        return limit_of_step_zero({0.01, 0.02, 0.03}, {{.value = 0.0, .error = 0.0, .blocks = 8},
+                                                       {.value = error, .error = error, .blocks = 8},
+                                                       {.value = 0.0, .error = 0.0, .blocks = 8}});
+    };
+    BOOST_TEST(limit(0.0).estimate.value == 0.0);
+    BOOST_TEST(limit(0.0).estimate.error == 0.0);
+    BOOST_TEST(limit(1e-3).estimate.error == 1e-3 * std::sqrt(98.0 / (3 * 98.0 - 196.0)), tolerance(1e-12));
+    BOOST_TEST(std::abs(limit(1e-3).estimate.value) < limit(1e-3).estimate.error);
+}
+
 // Over many made-up sets the fitted limit scatters as its error says.
 BOOST_AUTO_TEST_CASE(error_of_the_limit_is_its_scatter) {
     std::mt19937_64 random(3);
@@ -153,6 +167,7 @@ friction = 4.5
 repulsion = 25.0
 steps = [0.02, 0.04, 0.5]
 duration = 16.0
+table_step = 0.04
 reference = "S1"
 reference_steps = [0.02, 0.04]
 reference_duration = 32.0
@@ -233,6 +248,7 @@ BOOST_AUTO_TEST_CASE(mistakes_in_a_study_are_refused) {
     check("reference = \"S1\"", "reference = \"S2\"", "S2 is no integrator; allowed: S1, Euler");
     check("friction = 4.5", "friction = -1", "friction: -1 is not allowed");
     check("steps = [0.02", "steps = [0.0", "steps");
+    check("table_step = 0.04", "table_step = 0.05", "table_step: is none of the steps");
     check("[budget.quick]\n", "[budget.fast]\n", "quick: is missing");
     check("title = \"Test\"", "title = \"Test\"\ncolour = 1", "colour: unknown key");
 }

@@ -1,11 +1,12 @@
-# Seven panels, one per observable, and the key in the eighth place. Before it is loaded: draw(o, n), a string with what is
-# plotted of integrator n and observable o.
+# Seven panels, one per observable, and the key in the eighth place. Before it is loaded: draw(o), a string with what is
+# plotted of observable o.
 unset logscale
 set logscale xy
 set format y "%g"
 set lmargin; set rmargin; unset grid
 set tics font ",11"
-array colours[10] = [red, yellow, blue, sky, green, black, purple, grey, "#8B4513", "#000080"]
+set format x x_format
+array colours[10] = [yellow, red, purple, black, green, blue, "#882255", sky, "#999933", "#8B4513"]  # as in the maps of stability
 set multiplot layout 4,2 title title_text."\n{/*0.75 ".caption."}" offset 0,0.3 margins 0.08,0.98,0.06,0.915 spacing 0.085,0.062
 do for [o = 1:|observables|] {
     set title labels[o] offset 0,-0.6

@@ -1,4 +1,4 @@
-x_label = "time step"; y_label = "deviation (%)"
+x_format = "%g"; x_label = "time step"; y_label = "deviation (%)"
 caption = "deviation from step zero; symbols: clear of twice their error; lines: what the fitted law allows; dotted: first and second order"
 set xrange [0.004:0.25]; set yrange [0.01:100]
 line(o, n) = sprintf("data index 'error:%s:%s:' using 1:(100*$5) with lines lw 1.4 lc rgb '%s', ", names[n], observables[o], colours[n])

@@ -1,4 +1,4 @@
-x_label = "processor time (s)"; y_label = "total error (%)"
+x_format = "10^{%L}"; x_label = "processor time (s)"; y_label = "total error (%)"
 caption = "bias and statistics together, for each run time at the best of the steps; dotted: 1 % and 0.1 %"
 set xrange [0.01:1e5]; set yrange [0.01:100]
 line(o, n) = sprintf("data index 'total:%s:%s:' using 1:(100*$2) with lines lw 1.6 lc rgb '%s', ", names[n], observables[o], colours[n])
