@@ -82,7 +82,7 @@ std::vector<Observable> const& study_observables() {
         {"configurational_temperature", "configurational temperature", false, 1.0},
         {"pressure", "pressure", false, {}},
         {"potential_energy", "potential energy", false, {}},
-        {"g(r)", "g(r)", false, {}},
+        {"g(r)", "radial distribution g(r)", false, {}},
         {"diffusion_constant", "diffusion constant", false, {}},
         {"viscosity", "viscosity", true, {}}};
     return observables;
@@ -553,7 +553,7 @@ std::string cheapest_table(std::vector<MethodErrors> const& methods) {
 template <class Cell>
 std::string table_of(Study const& study, std::vector<MethodErrors> const& methods,
                      std::string const& first_row, Cell&& cell) {
-    std::string table = "|  |", rule = "\n|---|";
+    std::string table = "| integrator |", rule = "\n|---|";
     for (auto const& o : study_observables()) {
         table += fmt::format(" {} |", o.label);
         rule += "---|";
