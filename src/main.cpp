@@ -221,28 +221,21 @@ int dispatch(int argc, char** argv) {
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
     auto* const figure = app.add_subcommand("figure", "regenerate figures");
     figure->add_option("ids", ids, "figure ids, or all")->required();
-    figure->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
-    figure->add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
-    figure->add_option("--out", figures_dir, "directory (default figures, or figures/quick)");
-    figure->add_option("--cache", cache, "directory of finished and unfinished runs");
-    figure->add_option("--verification", verification, "directory of the figures' definitions");
 
     auto* const stability = app.add_subcommand("stability", "largest steps of the integrators, by bisection");
-    stability->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
-    stability->add_option("--jobs", jobs, "bisections at a time")->check(CLI::Range(1u, 1024u));
-    stability->add_option("--out", figures_dir,
-                          "directory (default figures/stability, or figures/quick/stability)");
-    stability->add_option("--cache", cache, "directory of finished bisections");
-    stability->add_option("--verification", verification, "directory of the figures' definitions");
 
     auto* const work = app.add_subcommand("work-precision", "errors of the integrators against run time");
     work->add_option("ids", ids, "integrators, or one of the maps; default all");
-    work->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
-    work->add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
-    work->add_option("--out", figures_dir,
-                     "directory (default figures/work-precision, or figures/quick/work-precision)");
-    work->add_option("--cache", cache, "directory of finished and unfinished runs");
-    work->add_option("--verification", verification, "directory of the studies' definitions");
+
+    for (auto* const campaign : {figure, stability, work}) {
+        std::string const below = campaign == figure ? "" : "/" + campaign->get_name();
+        campaign->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
+        campaign->add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
+        campaign->add_option("--out", figures_dir,
+                             fmt::format("directory (default figures{0}, or figures/quick{0})", below));
+        campaign->add_option("--cache", cache, "directory of finished and unfinished runs");
+        campaign->add_option("--verification", verification, "directory of the definitions");
+    }
 
     std::string report_dir = "figures";
     auto* const report =
@@ -255,6 +248,14 @@ int dispatch(int argc, char** argv) {
         if (error.get_exit_code() == 0) return app.exit(error);
         throw dpd::InputError(fmt::format("{} (see dpdref --help)", error.what()));
     }
+
+    // where a campaign writes, and how it is run
+    auto const campaign_options = [&](std::string const& below) {
+        std::filesystem::path output = figures_dir;
+        if (figures_dir.empty())
+            output = std::filesystem::path(budget == "quick" ? "figures/quick" : "figures") / below;
+        return dpd::CampaignOptions{.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested};
+    };
 
     if (theory->parsed()) {
         if (id.empty())
@@ -276,26 +277,16 @@ int dispatch(int argc, char** argv) {
     } else if (figure->parsed()) {
         if (ids == std::vector<std::string>{"all"}) ids = dpd::figure_ids(verification);
         if (ids.empty()) throw dpd::InputError(fmt::format("{}: holds no figures", verification));
-        std::filesystem::path const output = !figures_dir.empty() ? figures_dir
-                                             : budget == "quick"  ? "figures/quick"
-                                                                  : "figures";
-        if (!make_figures(verification, ids, budget,
-                          {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested}))
-            return exit_disagrees;
+        if (!make_figures(verification, ids, budget, campaign_options(""))) return exit_disagrees;
     } else if (stability->parsed()) {
         auto const definition = std::filesystem::path(verification) / "stability";
         auto maps = dpd::load_stability(definition / "stability.toml", budget);
-        std::filesystem::path const output = !figures_dir.empty() ? figures_dir
-                                             : budget == "quick"  ? "figures/quick/stability"
-                                                                  : "figures/stability";
-        dpd::find_edges(maps, {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested});
-        dpd::write_stability(maps, budget, definition, output);
+        auto const options = campaign_options("stability");
+        dpd::find_edges(maps, options);
+        dpd::write_stability(maps, budget, definition, options.output);
     } else if (work->parsed()) {
-        std::filesystem::path const output = !figures_dir.empty() ? figures_dir
-                                             : budget == "quick"  ? "figures/quick/work-precision"
-                                                                  : "figures/work-precision";
         if (!work_precision(std::filesystem::path(verification) / "work-precision", ids, budget,
-                            {.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested}))
+                            campaign_options("work-precision")))
             return exit_disagrees;
     } else if (report->parsed()) {
         auto const comparisons = dpd::load_comparisons(report_dir);
