@@ -152,6 +152,12 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output);
 /// Prints the table of comparisons and writes report.csv and report.json to `output`. True if none disagrees.
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
 
+/// The closed forms' parameters, by the names of the command line, as a scene has them.
+std::map<std::string, std::string> theory_arguments(Scene const& scene);
+
+/// Value of a closed form, which takes from `arguments` what it depends on.
+double theory_value(std::string const& id, std::map<std::string, std::string> const& arguments);
+
 /// Value of a closed form for the parameters of a scene.
 double theory_for(Scene const& scene, std::string const& id);
 

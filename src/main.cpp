@@ -12,12 +12,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "answers.hpp"
 #include "errors.hpp"
 #include "figure.hpp"
 #include "progress.hpp"
 #include "run.hpp"
 #include "stability.hpp"
 #include "theory/registry.hpp"
+#include "toml_reader.hpp"
 #include "version.hpp"
 #include "work_precision.hpp"
 
@@ -180,12 +182,12 @@ bool work_precision(std::filesystem::path const& directory, std::vector<std::str
     return agree;
 }
 
-// The clone's definitions, or else the installed ones.
-std::filesystem::path default_verification() {
-    if (std::filesystem::is_directory("verification")) return "verification";
+// Where verification/ and figures/ are: the clone, or else the installed data.
+std::filesystem::path data_directory() {
+    if (std::filesystem::is_directory("verification")) return ".";
     std::error_code ignored;
     auto const program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-    return (program.parent_path() / DPDREF_DATA_DIR / "verification").lexically_normal();
+    return (program.parent_path() / DPDREF_DATA_DIR).lexically_normal();
 }
 
 int dispatch(int argc, char** argv) {
@@ -217,7 +219,7 @@ int dispatch(int argc, char** argv) {
     std::string budget = "quick";
     std::string cache = ".dpdref-cache";
     std::string figures_dir;
-    std::string verification = default_verification().string();
+    std::string verification = (data_directory() / "verification").lexically_normal().string();
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
     auto* const figure = app.add_subcommand("figure", "regenerate figures");
     figure->add_option("ids", ids, "figure ids, or all")->required();
@@ -227,7 +229,9 @@ int dispatch(int argc, char** argv) {
     auto* const work = app.add_subcommand("work-precision", "errors of the integrators against run time");
     work->add_option("ids", ids, "integrators, or one of the maps; default all");
 
-    for (auto* const campaign : {figure, stability, work}) {
+    auto* const measure = app.add_subcommand("answers", "measure the reference answers");
+
+    for (auto* const campaign : {figure, stability, work, measure}) {
         std::string const below = campaign == figure ? "" : "/" + campaign->get_name();
         campaign->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
         campaign->add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
@@ -236,6 +240,15 @@ int dispatch(int argc, char** argv) {
         campaign->add_option("--cache", cache, "directory of finished and unfinished runs");
         campaign->add_option("--verification", verification, "directory of the definitions");
     }
+
+    std::vector<std::string> query;
+    std::string answers_file;
+    std::optional<std::string> scene_of;
+    auto* const answer = app.add_subcommand("answer", "reference values of the nearest state point");
+    answer->add_option("query", query, "id of a state point, or key=value ...; nothing lists them");
+    answer->add_option("--answers", answers_file, "file (default figures/answers/answers.json)");
+    answer->add_option("--scene", scene_of, "print the scene of a run: rest, shear, below or above");
+    answer->add_flag("--json", json, "print JSON");
 
     std::string report_dir = "figures";
     auto* const report =
@@ -288,6 +301,15 @@ int dispatch(int argc, char** argv) {
         if (!work_precision(std::filesystem::path(verification) / "work-precision", ids, budget,
                             campaign_options("work-precision")))
             return exit_disagrees;
+    } else if (measure->parsed()) {
+        auto answers = dpd::load_answers(std::filesystem::path(verification) / "answers", budget);
+        dpd::measure_answers(answers, budget, campaign_options("answers"));
+    } else if (answer->parsed()) {
+        if (answers_file.empty()) answers_file = (data_directory() / "figures/answers/answers.json").string();
+        std::string const answers = dpd::read_file(answers_file);
+        fmt::print("{}", scene_of ? dpd::answer_scene(answers, query, *scene_of)
+                         : json   ? dpd::answer_json(answers, query)
+                                  : dpd::answer_text(answers, query));
     } else if (report->parsed()) {
         auto const comparisons = dpd::load_comparisons(report_dir);
         if (comparisons.empty())

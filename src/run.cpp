@@ -179,8 +179,8 @@ public:
         archive.commit();
     }
 
-    // Restores a checkpoint or a result; false if there is no file yet. A run that diverged would do so again:
-    // throws what it said.
+    // Restores a checkpoint or a result; false if there is no file yet. A run that diverged would do so
+    // again: throws what it said.
     bool load(Simulation<d>& simulation, Recorder<d>& recorder, double& seconds, std::uint64_t& bytes,
               bool& complete) const {
         if (!std::filesystem::exists(path_)) return false;
@@ -771,6 +771,14 @@ void add_function(std::vector<Quantity>& quantities, std::string name, std::vect
 }
 
 }  // namespace
+
+void add_function(std::vector<Quantity>& quantities, std::string name,
+                  std::vector<std::string> const& arguments,
+                  std::function<double(std::vector<double> const&)> const& f) {
+    std::vector<Estimate> estimates;
+    for (auto const& argument : arguments) estimates.push_back(estimate_of(quantities, argument));
+    add_function(quantities, std::move(name), estimates, f);
+}
 
 void derive(Scene const& scene, std::vector<Quantity>& quantities) {
     auto const value = [&](std::string_view name) { return estimate_of(quantities, name); };

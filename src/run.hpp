@@ -58,6 +58,12 @@ struct Quantity {
 /// The numbers that a scene's records give; several records are independent runs of it.
 std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& records);
 
+/// Adds f(arguments), arguments by name, unless it is there or one of them is missing; its error from theirs,
+/// taken as independent, by finite differences.
+void add_function(std::vector<Quantity>& quantities, std::string name,
+                  std::vector<std::string> const& arguments,
+                  std::function<double(std::vector<double> const&)> const& f);
+
 /// Adds what follows from quantities of several scenes at one state point (viscosity under shear, g(r) and
 /// diffusion at rest): `potential_relaxation_rate` by eq. 16, `kinetic_viscosity_by_rates` by eq. 14,
 /// `schmidt_number`. @eq{NG2007,14} @eq{NG2007,16}

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "integrators.hpp"
 #include "picture.hpp"
 #include "progress.hpp"
 #include "toml_reader.hpp"
@@ -19,54 +20,8 @@
 namespace dpd {
 namespace {
 
-// A table { "table.key" = value, ... } as assignments.
-std::vector<std::string> assignments_of(toml::table const& settings) {
-    std::vector<std::string> assignments;
-    for (auto const& [key, node] : settings) {
-        std::ostringstream value;
-        node.visit([&](auto const& element) { value << element; });
-        assignments.push_back(fmt::format("{}={}", key.str(), value.str()));
-    }
-    return assignments;
-}
-
-std::vector<std::string> settings_of(TomlReader& reader, std::string const& key) {
-    auto const table = reader.table(key);
-    return table ? assignments_of(table->raw()) : std::vector<std::string>{};
-}
-
 void append(std::vector<std::string>& to, std::vector<std::string> const& more) {
     to.insert(to.end(), more.begin(), more.end());
-}
-
-struct Integrator {
-    std::string name, friction, noise, repulsion;
-    double friction_scale = 1.0, least_step = 0.0;
-    bool other_dynamics = false;
-    std::vector<std::string> settings, stages, sheared_stages;
-};
-
-std::vector<Integrator> read_integrators(std::filesystem::path const& file) {
-    toml::table const document = parse_toml(read_file(file), file.string());
-    TomlReader root(document, "", file.string());
-    std::vector<Integrator> integrators;
-    for (auto& table : root.tables("integrator")) {
-        Integrator integrator;
-        integrator.name = table.text("name", std::nullopt);
-        integrator.friction = table.text("friction", std::nullopt);
-        integrator.friction_scale = table.number("friction_scale", 1.0, positive);
-        integrator.least_step = table.number("least_step", 0.0, positive);
-        integrator.noise = table.text("noise", "");
-        integrator.repulsion = table.text("repulsion", std::nullopt);
-        integrator.other_dynamics = table.boolean("other_dynamics", false);
-        integrator.stages = table.texts("stages", std::nullopt);
-        integrator.sheared_stages = table.texts("sheared_stages", std::nullopt);
-        integrator.settings = settings_of(table, "settings");
-        table.finish();
-        integrators.push_back(std::move(integrator));
-    }
-    root.finish();
-    return integrators;
 }
 
 struct Measurement {
@@ -119,7 +74,10 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
         table->finish();
         if (name == budget) scale = its_scale;
     }
-    auto const integrators = read_integrators(directory / "integrators.toml");
+    auto const definitions = find_above(file, "integrators.toml");
+    if (!definitions)
+        throw InputError(fmt::format("{}: there is no integrators.toml there or above", directory.string()));
+    auto const integrators = read_integrators(*definitions);
 
     std::vector<Study> studies;
     for (auto& fluid : root.tables("fluid")) {
@@ -140,18 +98,12 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
         auto const add = [&](Integrator const& integrator, double step, bool is_reference, bool sheared) {
             auto const& m = measurements.at(sheared);
             auto const in_steps = [&](double time) { return std::max(1L, std::lround(time / step)); };
-            auto const& stages = sheared ? integrator.sheared_stages : integrator.stages;
-            std::vector<std::string> overrides{
-                fmt::format("stages=['{}']", fmt::join(stages, "','")),
-                fmt::format("time.step={}", step),
-                fmt::format("time.duration={}", scale * (is_reference ? reference_duration : duration)),
-                fmt::format("sample.interval={}", in_steps(m.interval)),
-                fmt::format("{}={}", integrator.friction, integrator.friction_scale * friction),
-                fmt::format("{}={}", integrator.repulsion, repulsion)};
-            if (!integrator.noise.empty())
-                overrides.push_back(fmt::format("{}={:.17g}", integrator.noise, std::sqrt(2.0 * friction)));
+            auto overrides = scene_settings(integrator, sheared, friction, repulsion);
+            append(overrides,
+                   {fmt::format("time.step={}", step),
+                    fmt::format("time.duration={}", scale * (is_reference ? reference_duration : duration)),
+                    fmt::format("sample.interval={}", in_steps(m.interval))});
             append(overrides, m.settings);
-            append(overrides, integrator.settings);
             if (!sheared)
                 overrides.push_back(
                     fmt::format("sample.radial_distribution.interval={}", in_steps(m.radial_interval)));

@@ -1,0 +1,36 @@
+/// @file
+/// Integrators by name, so that one fluid can be put to all of them: definitions that the study of work and
+/// precision and the reference answers share (verification/integrators.toml).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "toml_reader.hpp"
+
+namespace dpd {
+
+/// An integrator as keys of a scene.
+struct Integrator {
+    std::string name;
+    std::string friction, noise, repulsion;  ///< the keys that take a fluid's numbers; empty: it has none
+    double friction_scale = 1.0;             ///< on the fluid's friction
+    double least_step = 0.0;                 ///< of the study: shorter ones are too dear
+    bool other_dynamics = false;             ///< its transport coefficients are its own
+    std::vector<std::string> settings;       ///< further keys, "table.key=value"
+    std::vector<std::string> stages, sheared_stages;
+};
+
+/// The tables [[integrator]] of a file. InputError as for scenes.
+std::vector<Integrator> read_integrators(std::filesystem::path const& file);
+
+/// What makes an integrator's scene of a fluid: its stages, friction, noise sqrt(2 friction kT), repulsion.
+/// Without a repulsion the stages that would hold it go: `verlet` becomes `drift`.
+std::vector<std::string> scene_settings(Integrator const& integrator, bool sheared, double friction,
+                                        double repulsion, double kT = 1.0);
+
+/// A table { "table.key" = value, ... } as assignments "table.key=value"; empty if it is not there.
+std::vector<std::string> settings_of(TomlReader& reader, std::string const& key);
+
+}  // namespace dpd

@@ -1,0 +1,317 @@
+#define BOOST_TEST_MODULE answers
+#include "answers.hpp"
+
+#include <unistd.h>
+
+#include <boost/test/unit_test.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "integrators.hpp"
+#include "theory/closed_forms.hpp"
+
+using namespace dpd;
+using boost::test_tools::tolerance;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct Directory {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("dpdref_answers_" + std::to_string(getpid()));
+    Directory() { std::filesystem::create_directories(path / "answers"); }
+    ~Directory() { std::filesystem::remove_all(path); }
+    void write(std::string const& name, std::string const& text) const { std::ofstream(path / name) << text; }
+};
+
+char const* const shared_integrators = R"(
+[[integrator]]
+name = "S1"
+friction = "shardlow.friction"
+repulsion = "verlet.soft.strength"
+stages = ["shardlow", "verlet", "sample"]
+sheared_stages = ["shardlow", "sample", "verlet"]
+)";
+
+char const* const own_integrators = R"(
+[[integrator]]
+name = "GW"
+friction = "modified_verlet.gamma"
+noise = "modified_verlet.sigma"
+repulsion = "modified_verlet.soft.strength"
+stages = ["modified_verlet", "sample"]
+sheared_stages = ["modified_verlet", "sample"]
+)";
+
+char const* const definition = R"(
+[scene]
+dimension = 3
+[scene.box]
+length = [4.0, 4.0, 4.0]
+[scene.particles]
+density = 3.0
+[scene.time]
+equilibration = 0.4
+[at_rest]
+duration = 16.0
+sample_interval = 0.04
+radial_distribution_interval = 0.4
+[at_rest.settings]
+"sample.observables" = ["kinetic_temperature", "pressure"]
+"sample.radial_distribution.range" = 2.0
+"sample.radial_distribution.bins" = 10
+"sample.mean_square_displacement" = { spacing = 0.2, longest = 0.8, origins = 0.4 }
+[interacting.settings]
+"sample.observables" = ["kinetic_temperature", "pressure", "potential_energy", "configurational_temperature"]
+[sheared]
+duration = 8.0
+sample_interval = 0.04
+shear_rate = 0.5
+[sheared.settings]
+"sample.observables" = ["kinetic_temperature", "friction_stress"]
+[densities]
+duration = 8.0
+sample_interval = 0.04
+change = 0.125
+[densities.settings]
+"sample.observables" = ["pressure"]
+[budget.paper]
+seeds = 2
+[budget.quick]
+seeds = 2
+duration_scale = 0.5
+[[closed_form]]
+quantity = "kinetic_viscosity"
+id = "ng8"
+stage = "shardlow"
+[[closed_form]]
+quantity = "speed_of_sound"
+id = "pk-sound"
+interacting = true
+[[state]]
+id = "soft"
+title = "soft fluid"
+integrator = "GW"
+step = 0.04
+friction = 4.5
+repulsion = 25.0
+[[state]]
+id = "ideal"
+title = "ideal gas"
+integrator = "S1"
+step = 0.02
+friction = 3.0
+repulsion = 0.0
+duration = 12.0
+shear_rate = 0.25
+set = { "particles.mass" = 2.0, "shardlow.weight" = "quadratic" }
+shear_set = { "sample.observables" = ["kinetic_temperature", "stress"] }
+)";
+
+Point const& point_of(Figure const& figure, std::string const& name) {
+    for (auto const& point : figure.points)
+        if (figure.curves[point.curve].name == name) return point;
+    throw std::out_of_range(name);
+}
+
+std::string text_of(std::filesystem::path const& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// A file of two state points whose numbers are known.
+std::string small_file() {
+    auto const state = [](char const* id, double dt, char const* weight) {
+        return Json{{"id", id},
+                    {"title", id},
+                    {"parameters",
+                     {{"integrator", "S1"},
+                      {"stages", {"shardlow"}},
+                      {"d", 3},
+                      {"n", 3.0},
+                      {"gamma", 9.0},
+                      {"dt", dt},
+                      {"a", 0.0},
+                      {"weight", weight},
+                      {"kT", 1.0},
+                      {"m", 1.0},
+                      {"rc", 1.0},
+                      {"L", {10.0, 10.0, 10.0}}}},
+                    {"quantities",
+                     {{"kinetic_viscosity",
+                       {{"value", 0.4},
+                        {"error", 0.01},
+                        {"blocks", 64},
+                        {"closed_form", {{"id", "ng8"}, {"value", 0.39}}}}}}},
+                    {"scenes", {{"rest", "dimension = 3"}}}};
+    };
+    return Json{
+        {"schema", "dpdref-answers/1"},
+        {"states",
+         {state("fine", 0.01, "linear"), state("coarse", 0.1, "linear"), state("other", 0.1, "quadratic")}}}
+        .dump();
+}
+
+bool starts_with(std::string const& text, std::string const& what) { return text.rfind(what, 0) == 0; }
+
+}  // namespace
+
+// What makes an integrator's scene of a fluid, with a repulsion and without.
+BOOST_AUTO_TEST_CASE(settings_of_integrators) {
+    Directory const directory;
+    directory.write("integrators.toml", std::string(shared_integrators) + own_integrators + R"(
+[[integrator]]
+name = "Euler"
+friction = "euler.gamma"
+friction_scale = 2.0
+noise = "euler.sigma"
+repulsion = "force.soft.strength"
+stages = ["euler", "force", "drift", "kick", "sample"]
+sheared_stages = ["euler", "force", "sample", "drift", "kick"]
+[integrator.settings]
+"verlet.substeps" = 5
+"euler.weight" = "quadratic"
+)");
+    auto const all = read_integrators(directory.path / "integrators.toml");
+    using List = std::vector<std::string>;
+    BOOST_TEST(
+        scene_settings(all[0], true, 4.5, 25.0) == (List{"stages=['shardlow','sample','verlet']",
+                                                         "shardlow.friction=4.5", "verlet.soft.strength=25"}),
+        boost::test_tools::per_element());
+    BOOST_TEST(scene_settings(all[0], false, 4.5, 0.0) ==
+                   (List{"stages=['shardlow','drift','sample']", "shardlow.friction=4.5"}),
+               boost::test_tools::per_element());
+    // moves the particles itself, with or without a repulsion; sigma = sqrt(2 gamma kT)
+    BOOST_TEST(scene_settings(all[1], false, 2.0, 0.0, 4.0) ==
+                   (List{"stages=['modified_verlet','sample']", "modified_verlet.gamma=2",
+                         "modified_verlet.soft.strength=0", "modified_verlet.sigma=4"}),
+               boost::test_tools::per_element());
+    BOOST_TEST(scene_settings(all[2], false, 2.0, 0.0) ==
+                   (List{"stages=['euler','drift','kick','sample']", "euler.gamma=4", "euler.sigma=2",
+                         "euler.weight='quadratic'"}),
+               boost::test_tools::per_element());
+}
+
+// From the definition to the file: scenes as it says, and quantities as the runs gave them.
+BOOST_AUTO_TEST_CASE(a_small_set_of_answers) {
+    Directory const directory;
+    directory.write("integrators.toml", shared_integrators);
+    directory.write("answers/integrators.toml", own_integrators);
+    directory.write("answers/answers.toml", definition);
+    auto answers = load_answers(directory.path / "answers", "quick");
+    BOOST_TEST(answers.states.size() == 2u);
+    BOOST_TEST(answers.figure.curves.size() == 5u + 3u);  // an ideal gas needs no other densities
+    auto const& rest = point_of(answers.figure, "soft").runs;
+    BOOST_TEST(rest.size() == 2u);
+    BOOST_TEST(rest[1].seed == 2u);
+    BOOST_TEST(rest[0].modified_verlet.sigma == 3.0, tolerance(1e-15));
+    BOOST_TEST(rest[0].production_steps == 100u);  // half of 16 for two runs, in steps of 0.04
+    BOOST_TEST(rest[0].sample.configurational_temperature);
+    BOOST_TEST(rest[0].sample.radial_distribution->interval == 10u);
+    BOOST_TEST(point_of(answers.figure, "soft/shear").runs[0].shear_rate == 0.5);
+    BOOST_TEST(point_of(answers.figure, "soft/below").runs[0].particles == 168u);
+    BOOST_TEST(point_of(answers.figure, "soft/above").runs[0].particles == 216u);
+    auto const& ideal = point_of(answers.figure, "ideal/shear").runs[0];
+    BOOST_TEST(ideal.stages == (std::vector<std::string>{"shardlow", "sample", "drift"}),
+               boost::test_tools::per_element());
+    BOOST_TEST(ideal.shear_rate == 0.25);
+    BOOST_TEST(!ideal.sample.friction_stress);
+    BOOST_TEST(point_of(answers.figure, "ideal").runs[0].production_steps == 150u);
+    BOOST_TEST(!point_of(answers.figure, "ideal").runs[0].sample.configurational_temperature);
+
+    CampaignOptions const options{
+        .cache = directory.path / "cache", .output = directory.path / "out", .jobs = 2};
+    measure_answers(answers, "quick", options);
+    Json const file = Json::parse(text_of(options.output / "answers.json"));
+    BOOST_TEST(file["schema"].get<std::string>() == "dpdref-answers/1");
+    Json const& soft = file["states"][0]["quantities"];
+    auto const value = [](Json const& quantities, char const* name) {
+        return quantities.at(name)["value"].get<double>();
+    };
+    auto const measured = [&](std::string const& curve, std::string const& name) {
+        return find_quantity(point_of(answers.figure, curve).quantities, name)->estimate.value;
+    };
+    BOOST_TEST(value(soft, "kinetic_temperature") == measured("soft", "kinetic_temperature"));
+    BOOST_TEST(value(soft, "sheared_kinetic_temperature") == measured("soft/shear", "kinetic_temperature"));
+    BOOST_TEST(value(soft, "sheared_kinetic_temperature") != value(soft, "kinetic_temperature"));
+    BOOST_TEST(value(soft, "viscosity") == measured("soft/shear", "viscosity"));
+    double const slope = (measured("soft/above", "pressure") - measured("soft/below", "pressure")) / 0.75;
+    BOOST_TEST(value(soft, "speed_of_sound") == std::sqrt(slope), tolerance(1e-12));
+    BOOST_TEST(soft["speed_of_sound"]["closed_form"]["id"].get<std::string>() == "pk-sound");
+    double const D = value(soft, "diffusion_constant"), viscosity = value(soft, "viscosity");
+    BOOST_TEST(value(soft, "infinite_diffusion_constant") ==
+                   D + theory::diffusion_finite_size_correction(1.0, viscosity + 3.0 * D, 4.0),
+               tolerance(1e-12));
+    Json const& gas = file["states"][1]["quantities"];
+    BOOST_TEST(value(gas, "speed_of_sound") == std::sqrt(0.5 * value(gas, "kinetic_temperature")),
+               tolerance(1e-12));
+    BOOST_TEST(gas["kinetic_viscosity"]["closed_form"]["value"].get<double>() ==
+                   theory_for(point_of(answers.figure, "ideal").runs[0], "ng8"),
+               tolerance(1e-12));
+    BOOST_TEST(!gas.contains("potential_viscosity"));
+    BOOST_TEST(file["states"][1]["parameters"]["a"].get<double>() == 0.0);
+    BOOST_TEST(file["states"][0]["curves"]["radial_distribution"]["x"].size() == 10u);
+    BOOST_TEST(starts_with(
+        text_of(options.output / "answers.csv"),
+        "state,quantity,value,error,blocks,closed_form,closed_form_value\nsoft,kinetic_temperature,"));
+    BOOST_TEST(text_of(options.output / "answers.md").find("| `ideal` | 4 |") != std::string::npos);
+
+    // the scene that is printed is the scene that was run
+    Scene const again =
+        parse_scene(answer_scene(text_of(options.output / "answers.json"), {"soft"}, "shear"), "again");
+    BOOST_TEST(again.key() == point_of(answers.figure, "soft/shear").runs[0].key());
+}
+
+BOOST_AUTO_TEST_CASE(nearest_state_point) {
+    std::string const file = small_file();
+    BOOST_TEST(starts_with(answer_text(file, {}), "fine "));
+    BOOST_TEST(starts_with(answer_text(file, {"coarse"}), "coarse: "));
+    // on a scale of ratios 0.04 is nearer to 0.1 than to 0.01
+    BOOST_TEST(starts_with(answer_text(file, {"dt=0.04"}), "coarse: "));
+    BOOST_TEST(starts_with(answer_text(file, {"dt=0.03"}), "fine: "));
+    BOOST_TEST(starts_with(answer_text(file, {"weight=quadratic", "dt=0.01"}), "other: "));
+    std::string const text = answer_text(file, {"dt=0.2", "gamma=9"});
+    BOOST_TEST(text.find("asked for dt=0.2; the nearest state point has 0.1") != std::string::npos);
+    BOOST_TEST(text.find("asked for gamma") == std::string::npos);
+    BOOST_TEST(
+        text.find("ng8 = 0.39 (as asked: " +
+                  fmt::format("{:.6g})", theory_value("ng8", {{"n", "3"}, {"gamma", "9"}, {"dt", "0.2"}}))) !=
+        std::string::npos);
+    BOOST_TEST(answer_scene(file, {"fine"}, "rest") == "title = \"fine\"\ndimension = 3\n");
+    BOOST_TEST(Json::parse(answer_json(file, {"other"}))["parameters"]["weight"].get<std::string>() ==
+               "quadratic");
+}
+
+BOOST_AUTO_TEST_CASE(mistakes_are_refused) {
+    auto const refuses = [](auto&& call, std::string const& why) {
+        BOOST_CHECK_EXCEPTION(call(), InputError, [&](InputError const& error) {
+            BOOST_TEST_INFO(error.what());
+            return std::string(error.what()).find(why) != std::string::npos;
+        });
+    };
+    std::string const file = small_file();
+    refuses([&] { answer_text(file, {"gone"}); },
+            "answer gone: unknown; allowed: key=value ..., fine, coarse, other");
+    refuses([&] { answer_text(file, {"colour=1"}); },
+            "colour=1: not allowed; allowed: the id of one state point, or key=value with a, d");
+    refuses([&] { answer_text(file, {"dt=soon"}); }, "dt=soon: not allowed; allowed: a number");
+    refuses([&] { answer_text(file, {"weight=root"}); }, "no state point has weight=root");
+    refuses([&] { answer_text(file, {"d=2"}); }, "no state point has d=2");
+    refuses([&] { answer_scene(file, {"fine"}, "shear"); }, "has no run shear");
+    refuses([&] { answer_text("{", {}); }, "allowed: a file of `dpdref answers`");
+
+    Directory const directory;
+    directory.write("integrators.toml", shared_integrators);
+    directory.write("answers/integrators.toml", own_integrators);
+    auto const check = [&](std::string const& from, std::string const& to, std::string const& why) {
+        std::string text = definition;
+        text.replace(text.find(from), from.size(), to);
+        directory.write("answers/answers.toml", text);
+        refuses([&] { load_answers(directory.path / "answers", "quick"); }, why);
+    };
+    check("integrator = \"GW\"", "integrator = \"GV\"", "integrator: is in no integrators.toml");
+    check("id = \"ng8\"", "id = \"ng88\"", "id: is no closed form");
+    check("[densities]\n", "[density]\n", "densities.duration: is missing");
+    check("repulsion = 25.0", "repulsion = -1", "repulsion: -1 is not allowed");
+    check("title = \"soft fluid\"", "title = \"soft fluid\"\ncolour = 1", "colour: unknown key");
+}
