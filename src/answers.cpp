@@ -331,7 +331,7 @@ std::string csv_of(Json const& states) {
 
 void measure_answers(Answers& answers, std::string const& budget, CampaignOptions const& options) {
     std::vector<Figure> figures{answers.figure};
-    run_points(figures, options);
+    if (!run_points(figures, options)) return;
     answers.figure = std::move(figures.front());
     Json json{{"schema", "dpdref-answers/1"},
               {"program", fmt::format("dpdref {}", version)},

@@ -409,7 +409,7 @@ Figure measured(Figure const& planned, Results const& results, double fraction) 
     return figure;
 }
 
-void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
+bool run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     std::filesystem::create_directories(options.cache);
     // scenes that several points share run once
     std::map<std::string, Scene const*> scenes;
@@ -423,10 +423,11 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
         jobs.push_back(
             {cost_of(*scene), [&options, file, scene = scene, &result = finished[key]](auto const& report) {
                  result = run(*scene, {.output = file, .stop = options.stop, .progress = report});
+                 return result.from_cache;
              }});
     }
     std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
-    do_jobs("figures", jobs, options);
+    if (!do_jobs("figures", std::move(jobs), options)) return false;
     Results results;
     for (auto const& [key, result] : finished) results[key] = &result;
     for (auto& figure : figures) {
@@ -434,6 +435,7 @@ void run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
         figure = measured(figure, results);
         figure.convergence = std::move(convergence);
     }
+    return true;
 }
 
 namespace {

@@ -115,7 +115,8 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
 std::vector<std::string> figure_ids(std::filesystem::path const& verification);
 
 /// Runs what the cache lacks, the longest runs first, `jobs` at a time. Throws the first error of a run.
-void run_points(std::vector<Figure>& figures, CampaignOptions const& options);
+/// False if options name a shard: the figures are then as they were.
+bool run_points(std::vector<Figure>& figures, CampaignOptions const& options);
 
 /// Finished runs by the keys of their scenes.
 using Results = std::map<std::string, RunResult const*>;

@@ -146,12 +146,12 @@ void print_result(dpd::Scene const& scene, dpd::RunResult const& result, bool js
 
 // --- figures ---------------------------------------------------------------------------------------------
 
-// Regenerates figures and prints their comparisons; false if one disagrees.
+// Regenerates figures and prints their comparisons; false if one disagrees. A shard only runs.
 bool make_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
                   std::string const& budget, dpd::CampaignOptions const& options) {
     std::vector<dpd::Figure> figures;
     for (auto const& id : ids) figures.push_back(dpd::load_figure(verification, id, budget));
-    dpd::run_points(figures, options);
+    if (!dpd::run_points(figures, options)) return true;
     std::vector<dpd::Comparison> all;
     for (auto const& figure : figures) {
         auto const comparisons = dpd::compare(figure);
@@ -176,7 +176,7 @@ bool work_precision(std::filesystem::path const& directory, std::vector<std::str
     bool const agree = ids.empty() || make_figures(directory, ids, budget, options);
     if (with_study) {
         auto studies = dpd::load_studies(directory / study, budget);
-        dpd::run_studies(studies, options);
+        if (!dpd::run_studies(studies, options)) return agree;
         for (auto const& one : studies) dpd::write_study(one, budget, directory / study, options.output);
     }
     return agree;
@@ -220,6 +220,7 @@ int dispatch(int argc, char** argv) {
     std::string cache = ".dpdref-cache";
     std::string figures_dir;
     std::string verification = (data_directory() / "verification").lexically_normal().string();
+    std::optional<std::string> shard;
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
     auto* const figure = app.add_subcommand("figure", "regenerate figures");
     figure->add_option("ids", ids, "figure ids, or all")->required();
@@ -235,6 +236,7 @@ int dispatch(int argc, char** argv) {
         std::string const below = campaign == figure ? "" : "/" + campaign->get_name();
         campaign->add_option("--budget", budget, "quick or paper")->check(CLI::IsMember({"quick", "paper"}));
         campaign->add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
+        campaign->add_option("--shard", shard, "k/n: only the k-th of n parts of the runs; draws nothing");
         campaign->add_option("--out", figures_dir,
                              fmt::format("directory (default figures{0}, or figures/quick{0})", below));
         campaign->add_option("--cache", cache, "directory of finished and unfinished runs");
@@ -267,7 +269,9 @@ int dispatch(int argc, char** argv) {
         std::filesystem::path output = figures_dir;
         if (figures_dir.empty())
             output = std::filesystem::path(budget == "quick" ? "figures/quick" : "figures") / below;
-        return dpd::CampaignOptions{.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested};
+        dpd::CampaignOptions options{.cache = cache, .output = output, .jobs = jobs, .stop = &stop_requested};
+        if (shard) options.shard = dpd::shard_from_text(*shard);
+        return options;
     };
 
     if (theory->parsed()) {
@@ -295,8 +299,7 @@ int dispatch(int argc, char** argv) {
         auto const definition = std::filesystem::path(verification) / "stability";
         auto maps = dpd::load_stability(definition / "stability.toml", budget);
         auto const options = campaign_options("stability");
-        dpd::find_edges(maps, options);
-        dpd::write_stability(maps, budget, definition, options.output);
+        if (dpd::find_edges(maps, options)) dpd::write_stability(maps, budget, definition, options.output);
     } else if (work->parsed()) {
         if (!work_precision(std::filesystem::path(verification) / "work-precision", ids, budget,
                             campaign_options("work-precision")))

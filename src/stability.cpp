@@ -300,7 +300,7 @@ void find_edges(StabilityPoint& point, std::atomic<bool> const* stop) {
     point.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
 }
 
-void find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options) {
+bool find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options) {
     std::filesystem::create_directories(options.cache);
     // points that several maps share run once
     std::map<std::string, std::vector<StabilityPoint*>> shared;
@@ -311,7 +311,8 @@ void find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options)
         jobs.push_back({2.0 + points.front()->density,
                         [&options, &points = points, file = options.cache / (key + ".json")](auto const&) {
                             StabilityPoint& first = *points.front();
-                            if (!restore(first, file)) {
+                            bool const there = restore(first, file);
+                            if (!there) {
                                 find_edges(first, options.stop);
                                 store(first, file);
                             }
@@ -320,10 +321,11 @@ void find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options)
                                 other->frozen = first.frozen;
                                 other->seconds = first.seconds;
                             }
+                            return there;
                         }});
     // the cheap ones first: an interrupted campaign then has most of its points
     std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost < b.cost; });
-    do_jobs("stability", jobs, options);
+    return do_jobs("stability", std::move(jobs), options);
 }
 
 // --- definition ------------------------------------------------------------------------------------------

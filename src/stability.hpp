@@ -122,8 +122,8 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& file, std:
 void find_edges(StabilityPoint& point, std::atomic<bool> const* stop = nullptr);
 
 /// Bisects for all points that the cache lacks, `jobs` at a time; each is stored as soon as it is done.
-/// Throws the first error, or Interrupted.
-void find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options);
+/// Throws the first error, or Interrupted. False if options name a shard: some points are then unknown.
+bool find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options);
 
 /// Writes data and pictures of the maps to `output`; gnuplot draws with the scripts of `directory`.
 void write_stability(std::vector<StabilityMap> const& maps, std::string const& budget,

@@ -182,7 +182,7 @@ double cost_of_step(Scene const& scene, std::filesystem::path const& cache) {
 
 }  // namespace
 
-void run_studies(std::vector<Study>& studies, CampaignOptions const& options) {
+bool run_studies(std::vector<Study>& studies, CampaignOptions const& options) {
     std::filesystem::create_directories(options.cache);
     std::vector<Job> jobs;
     for (auto& study : studies)
@@ -190,18 +190,20 @@ void run_studies(std::vector<Study>& studies, CampaignOptions const& options) {
             jobs.push_back({double(job.scene.steps()), [&](auto const& report) {
                                 auto const file = options.cache / (job.scene.key() + ".h5");
                                 try {
-                                    job.record =
+                                    auto result =
                                         run(job.scene,
-                                            {.output = file, .stop = options.stop, .progress = report})
-                                            .record;
+                                            {.output = file, .stop = options.stop, .progress = report});
+                                    job.record = std::move(result.record);
                                     job.quantities = analyze(job.scene, {job.record});
                                     job.seconds_per_step = cost_of_step(job.scene, options.cache);
+                                    return result.from_cache;
                                 } catch (Diverged const&) {
                                     job.diverged = true;
+                                    return false;
                                 }
                             }});
     std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
-    do_jobs("work and precision", jobs, options);
+    return do_jobs("work and precision", std::move(jobs), options);
 }
 
 // --- errors ----------------------------------------------------------------------------------------------

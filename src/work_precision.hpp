@@ -86,8 +86,8 @@ double seconds_to_reach(double target, double bias, double variance_time, double
 std::vector<Study> load_studies(std::filesystem::path const& directory, std::string const& budget);
 
 /// Runs what the cache lacks, the longest first, and measures the cost of a step of each scene. A run that
-/// diverges is marked.
-void run_studies(std::vector<Study>& studies, CampaignOptions const& options);
+/// diverges is marked. False if options name a shard: some runs are then unknown.
+bool run_studies(std::vector<Study>& studies, CampaignOptions const& options);
 
 /// Writes data, pictures and the table of the cheapest integrators of a study to `output`, and prints the
 /// table.

@@ -271,6 +271,8 @@ theory = "value"
 value = 1.0
 tolerance = 0.9
 TOML
+    mkdir definitions/tiny-too # another figure of the same runs
+    cp definitions/tiny/* definitions/tiny-too
     tiny=(figure tiny --verification definitions --cache cache --out tiny --jobs 2)
     expect 0 -- "${tiny[@]}"
     grep -q '^1 comparisons: 1 agree' out || fail "figure: $(tail -1 out)"
@@ -284,6 +286,26 @@ TOML
     expect 0 -- report --figures tiny
     grep -q '^1 comparisons: 1 agree' out || fail "report: $(tail -1 out)"
     check "report: no table" test -s tiny/report.csv -a -s tiny/report.json
+
+    # in three shards, each with a cache of its own: merged by copying, nothing runs again, and all is the same
+    # but run times
+    for k in 1 2 3; do
+        expect 0 -- figure tiny tiny-too --verification definitions --budget paper --shard $k/3 --cache shard$k --out none
+        [ "$(ls shard$k | wc -l)" -eq 2 ] || fail "--shard $k/3: not two of six runs in its cache"
+        grep -q "^figures: shard $k/3: 2 of 6 runs, 0 of them were there" out || fail "--shard: says $(cat out)"
+        mkdir -p merged && cp shard$k/*.h5 merged
+    done
+    [ ! -e none ] || fail "--shard: wrote figures"
+    expect 0 -- figure tiny --verification definitions --budget paper --shard 1/1 --cache merged
+    grep -q "6 of 6 runs, 6 of them were there" out || fail "--shard: a merged cache lacks runs: $(cat out)"
+    touch -d 2000-01-01 merged/*
+    for cache in merged whole; do
+        expect 0 -- figure tiny --verification definitions --budget paper --cache $cache --out of-$cache
+    done
+    [ -z "$(find merged -newermt 2001-01-01 -name '*.h5')" ] || fail "--shard: ran again what the shards had done"
+    without_times() { sed 's/; run time .*//' "$1/data/tiny.dat" | awk 'NF == 9 { $9 = "" } { print }'; }
+    [ "$(without_times of-merged)" = "$(without_times of-whole)" ] || fail "--shard: other numbers than in one go"
+    expect 2 --shard "4/3" "1 <= k <= n" -- figure tiny --verification definitions --shard 4/3
     sed -i 's/value = 1.0/value = 3.0/; s/0.9/0.1/' definitions/tiny/figure.toml
     call "${tiny[@]}"
     [ "$code" -eq 1 ] || fail "figure: exit code $code for a comparison that disagrees, expected 1"

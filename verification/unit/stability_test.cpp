@@ -392,6 +392,20 @@ BOOST_FIXTURE_TEST_CASE(a_campaign_resumes_from_its_cache, Fixture) {
         again.length.fewest += 1;
         BOOST_TEST(again.key() != a.key());
     }
+    // two shards do all points between them
+    auto parts = options;
+    parts.cache = directory / "parts";
+    for (std::size_t const k : {1u, 2u}) {
+        parts.shard = Shard{k, 2};
+        auto part = load_stability(file, "quick");
+        BOOST_TEST(!find_edges(part, parts));
+        std::filesystem::directory_iterator const files(parts.cache);
+        if (k == 1)
+            BOOST_TEST(std::distance(begin(files), end(files)) ==
+                       std::ptrdiff_t(share_of(first[0].points.size(), *parts.shard).size()));
+    }
+    for (auto const& point : first[0].points)
+        BOOST_TEST(std::filesystem::exists(parts.cache / (point.key() + ".json")));
     write_stability(second, "quick", directory, directory / "out");
     auto const data = read_file(directory / "out" / "data" / "friction.dat");
     BOOST_TEST(data.find("# S1:0\n4.5 0 3 4.44444 1 4.44444 1 ") != std::string::npos);

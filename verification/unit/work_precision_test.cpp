@@ -223,6 +223,13 @@ BOOST_AUTO_TEST_CASE(a_small_study) {
         BOOST_TEST(again[0].runs[k].diverged == studies[0].runs[k].diverged);
         BOOST_TEST(again[0].runs[k].seconds_per_step == studies[0].runs[k].seconds_per_step, tolerance(1e-5));
     }
+    CampaignOptions part = options;
+    part.cache = directory.path / "part";
+    part.shard = Shard{.number = 2, .count = 16};
+    BOOST_TEST(!run_studies(again, part));
+    std::filesystem::directory_iterator const files(part.cache);
+    BOOST_TEST(std::count_if(begin(files), end(files),
+                             [](auto const& file) { return file.path().extension() == ".h5"; }) == 1);
     // no style and no scripts here: the data are there whole, the pictures are refused
     BOOST_CHECK_THROW(write_study(studies[0], "quick", directory.study(), options.output), InputError);
     std::string const written = text_of(options.output / "data" / "small.dat");
