@@ -14,6 +14,7 @@
 
 #include "answers.hpp"
 #include "errors.hpp"
+#include "exact_answers.hpp"
 #include "figure.hpp"
 #include "progress.hpp"
 #include "run.hpp"
@@ -251,6 +252,9 @@ int dispatch(int argc, char** argv) {
     answer->add_option("--answers", answers_file, "file (default figures/answers/answers.json)");
     answer->add_option("--scene", scene_of, "print the scene of a run: rest, shear, below or above");
     answer->add_flag("--json", json, "print JSON");
+    auto* const exact = app.add_subcommand("exact", "single steps of a few particles with given noise");
+    exact->add_flag("--json", json, "print all numbers, as JSON");
+    exact->add_option("--verification", verification, "directory of the definitions");
 
     std::string report_dir = "figures";
     auto* const report =
@@ -313,6 +317,14 @@ int dispatch(int argc, char** argv) {
         fmt::print("{}", scene_of ? dpd::answer_scene(answers, query, *scene_of)
                          : json   ? dpd::answer_json(answers, query)
                                   : dpd::answer_text(answers, query));
+    } else if (exact->parsed()) {
+        auto const answers =
+            dpd::exact_answers(std::filesystem::path(verification) / "answers" / "exact.toml");
+        if (json)
+            fmt::print("{}", dpd::exact_answers_text(answers));
+        else
+            for (auto const& one : answers["cases"])
+                fmt::print("{:<42} {}\n", one["id"].get<std::string>(), one["source"].get<std::string>());
     } else if (report->parsed()) {
         auto const comparisons = dpd::load_comparisons(report_dir);
         if (comparisons.empty())

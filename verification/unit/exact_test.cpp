@@ -1,0 +1,166 @@
+// The exact answers for other codes: what is committed is what the engine gives, conserves what it must, and
+// shows what the cases are for. That the numbers are right, verification/answers/check_exact.py finds without
+// the engine.
+#define BOOST_TEST_MODULE exact
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "errors.hpp"
+#include "exact_answers.hpp"
+#include "toml_reader.hpp"
+#include "version.hpp"
+
+using namespace dpd;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::filesystem::path const definition = DPDREF_VERIFICATION "/answers/exact.toml";
+std::filesystem::path const committed = DPDREF_VERIFICATION "/../figures/answers/exact.json";
+
+Json const& answers() {
+    static Json const once = exact_answers(definition);
+    return once;
+}
+
+Json const& find(std::string const& id) {
+    auto const& cases = answers()["cases"];
+    auto const found =
+        std::find_if(cases.begin(), cases.end(), [&](Json const& one) { return one["id"] == id; });
+    BOOST_REQUIRE_MESSAGE(found != cases.end(), id);
+    return *found;
+}
+
+// The largest difference of two numbers in the same place, relative to the larger or to 1.
+double difference(Json const& a, Json const& b) {
+    if (a.is_number() && b.is_number()) {
+        double const x = a, y = b;
+        return std::abs(x - y) / std::max({1.0, std::abs(x), std::abs(y)});
+    }
+    if (!a.is_structured()) return a == b ? 0.0 : INFINITY;
+    if (a.size() != b.size()) return INFINITY;
+    double worst = 0.0;
+    auto other = b.begin();
+    for (auto const& one : a) worst = std::max(worst, difference(one, *other++));
+    return worst;
+}
+
+// Sum of m v along an axis, where particles that have left a sheared box are counted with the speed that they
+// left it with.
+double momentum(Json const& one, Json const& state, std::size_t axis) {
+    auto const& box = one["box"];
+    double const image_speed = box["shear_rate"].get<double>() * box["length"][1].get<double>();
+    double sum = 0.0;
+    for (std::size_t p = 0; p < state["velocity"].size(); ++p) {
+        sum += state["velocity"][p][axis].get<double>();
+        if (axis == 0) sum += image_speed * state["image"][p][1].get<double>();
+    }
+    return one["mass"].get<double>() * sum;
+}
+
+}  // namespace
+
+// Other processors round the same in the portable builds; a native one contracts, and rounds less.
+BOOST_AUTO_TEST_CASE(the_committed_file_is_what_the_engine_gives) {
+    std::string const text = read_file(committed);
+    if (std::string(build_flags).find("native") == std::string::npos)
+        BOOST_TEST((text == exact_answers_text(answers())));
+    BOOST_TEST(difference(Json::parse(text), answers()) < 1e-13);
+}
+
+BOOST_AUTO_TEST_CASE(text_keeps_every_bit) {
+    BOOST_TEST((Json::parse(exact_answers_text(answers())) == answers()));
+}
+
+BOOST_AUTO_TEST_CASE(the_search_does_not_show) {
+    BOOST_TEST((exact_answers(definition, Search::brute) == answers()));
+}
+
+BOOST_AUTO_TEST_CASE(momentum_is_conserved_to_rounding) {
+    for (auto const& one : answers()["cases"]) {
+        if (one["id"] == "body-force") continue;
+        for (auto const& step : one["steps"])
+            for (std::size_t axis = 0; axis < one["dimension"]; ++axis) {
+                double const before = momentum(one, one["initial"], axis), after = momentum(one, step, axis);
+                BOOST_TEST(std::abs(after - before) < 1e-14 * one["mass"].get<double>(), one["id"]);
+            }
+    }
+}
+
+// The force on either half of the box: 0.7 on the two particles below the middle, -0.7 on those above.
+BOOST_AUTO_TEST_CASE(body_force_by_hand) {
+    auto const& one = find("body-force");
+    for (std::size_t p : {0u, 1u, 2u, 3u}) {
+        double const sign = one["initial"]["position"][p][1] < 2.0 ? 1.0 : -1.0;
+        double const change =
+            one["steps"][0]["velocity"][p][0].get<double>() - one["initial"]["velocity"][p][0].get<double>();
+        BOOST_TEST(std::abs(change - sign * 0.07) < 1e-15);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(cases_show_what_they_are_for) {
+    BOOST_TEST(answers()["cases"].size() >= 40u);
+    for (auto const& one : answers()["cases"]) {
+        std::string const id = one["id"];
+        for (auto const& step : one["steps"])
+            for (auto const& draw : step["noise"])
+                if (draw.contains("pair"))
+                    BOOST_TEST(draw.contains("normal") == !id.ends_with("friction-only"), id);
+        // every case moves, and a second step adds to the first
+        BOOST_TEST((one["steps"][0]["position"] != one["initial"]["position"]), id);
+        BOOST_TEST((one["steps"][1]["position"] != one["steps"][0]["position"]), id);
+    }
+    // the order of the pairs
+    auto const& noise = find("shardlow")["steps"][0]["noise"];
+    for (std::size_t k = 0; auto const& pair : {Json{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}})
+        BOOST_TEST((noise[k++]["pair"] == pair));
+    // Lowe: a hit, then none
+    auto const& lowe = find("lowe-two");
+    double const probability = lowe["lowe"]["rate"].get<double>() * lowe["time_step"].get<double>();
+    BOOST_TEST(lowe["steps"][0]["noise"][0]["uniform"] < probability);
+    BOOST_TEST(lowe["steps"][1]["noise"][0]["uniform"] > probability);
+    BOOST_TEST((lowe["steps"][0]["velocity"] != lowe["initial"]["velocity"]));
+    BOOST_TEST((lowe["steps"][1]["velocity"] == lowe["steps"][0]["velocity"]));
+    // in and out of the cutoff
+    auto const& edge = find("shardlow-edge")["steps"];
+    BOOST_TEST((edge[0]["noise"].size() == 1u && edge[0]["noise"][0]["pair"] == Json{0, 1}));
+    BOOST_TEST((edge[1]["noise"].size() == 1u && edge[1]["noise"][0]["pair"] == Json{0, 2}));
+    BOOST_TEST(edge[0]["noise"][0]["distance"] == 0.999, boost::test_tools::tolerance(1e-14));
+    // through the boundaries, at rest and sheared
+    BOOST_TEST((find("shardlow-across")["steps"][0]["image"][0] == Json{0, 1, 0}));
+    BOOST_TEST((find("shardlow-sheared")["steps"][0]["image"][0] == Json{-1, 1, 0}));
+    // a Monte Carlo factor that is accepted
+    auto const& monte_carlo = find("rescale-monte-carlo");
+    BOOST_TEST((monte_carlo["steps"][0]["velocity"] != monte_carlo["initial"]["velocity"]));
+}
+
+BOOST_AUTO_TEST_CASE(bad_definitions_are_refused) {
+    auto const file = std::filesystem::temp_directory_path() / "dpdref_exact_test.toml";
+    auto const refused = [&](std::string const& text, std::string const& why) {
+        std::ofstream(file) << text;
+        BOOST_CHECK_EXCEPTION(exact_answers(file), InputError, [&](InputError const& error) {
+            BOOST_TEST_MESSAGE(error.what());
+            return std::string(error.what()).find(why) != std::string::npos;
+        });
+    };
+    std::string const scene =
+        "[scene]\ndimension = 3\nstages = ['drift']\nbox = {length = [4.0, 4.0, 4.0]}\n"
+        "particles = {mass = 1.0}\ntime = {step = 0.1, duration = 1.0}\n";
+    std::string const inside = "[state.p]\nposition = [1, 1, 1, 2, 2, 2]\nvelocity = [1, 1, 1, 2, 2, 2]\n",
+                      outside = "[state.p]\nposition = [1, 1, 1, 2, 2, 4]\nvelocity = [1, 1, 1, 2, 2, 2]\n",
+                      odd = "[state.p]\nposition = [1, 2]\nvelocity = [1, 2]\n";
+    std::string const one = "[[case]]\nid = 'a'\n", full = one + "source = 's'\nstate = 'p'\n";
+    refused(scene + inside + one, "case a: source: is missing");
+    refused(scene + full, "[state.p]");
+    refused(scene + odd + full, "three numbers per particle");
+    refused(scene + outside + full, "outside of the box");
+    refused(scene + inside + full + "nonsense = 1\n", "nonsense: unknown key");
+    refused(scene + inside + full +
+                "stages = ['modified_verlet']\nwalls = {thickness = 1.0}\n"
+                "modified_verlet = {gamma = 1.0, sigma = 1.0, soft = {strength = 1.0}}\n",
+            "no walls");
+    refused("[oops]\n", "oops: unknown key");
+    std::filesystem::remove(file);
+}
