@@ -146,7 +146,7 @@ class System:
             self.kick(self.conservative(p), span / 2 / self.m)
 
     def all_forces(self, p):
-        """F of PK2006 eq. 1 from the present positions and velocities."""
+        """Conservative, dissipative and random force (PK2006, sect. III) from the present positions and velocities."""
         total = self.conservative(p)
         for i, j, x, draw in self.draws("modified_verlet"):
             _, e, u = self.relative(i, j)
