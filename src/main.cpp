@@ -1,5 +1,6 @@
-// The command line: `dpdref theory | run | figure | stability | work-precision | report`. Exit codes: 0 done,
-// 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run again to resume).
+// The command line: `dpdref theory | run | export | figure | stability | work-precision | report`. Exit
+// codes: 0 done, 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run
+// again to resume).
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@
 #include "errors.hpp"
 #include "exact_answers.hpp"
 #include "figure.hpp"
+#include "lammps.hpp"
 #include "progress.hpp"
 #include "run.hpp"
 #include "stability.hpp"
@@ -216,6 +218,14 @@ int dispatch(int argc, char** argv) {
     run->add_option("--out", out, "HDF5 file of results, checkpoints and provenance");
     run->add_flag("--json", json, "print JSON");
 
+    auto* const exporter = app.add_subcommand("export", "write a scene for another program");
+    exporter->require_subcommand(1);
+    auto* const lammps = exporter->add_subcommand("lammps", "a directory with an input deck for LAMMPS");
+    lammps->add_option("scene", scene_file, "TOML file")->required();
+    lammps->add_option("--set", overrides, "table.key=value, on top of the file")->allow_extra_args(false);
+    lammps->add_option("--seed", seed, "seed of all noise, 0 to 2^64-1");
+    lammps->add_option("--out", out, "directory: new, empty, or of an earlier export")->required();
+
     std::vector<std::string> ids;
     std::string budget = "quick";
     std::string cache = ".dpdref-cache";
@@ -295,6 +305,8 @@ int dispatch(int argc, char** argv) {
             result = dpd::run(scene, options);
         }
         print_result(scene, result, json);
+    } else if (lammps->parsed()) {
+        dpd::export_lammps(dpd::load_scene(scene_file, overrides, read_seed(seed)), *out);
     } else if (figure->parsed()) {
         if (ids == std::vector<std::string>{"all"}) ids = dpd::figure_ids(verification);
         if (ids.empty()) throw dpd::InputError(fmt::format("{}: holds no figures", verification));
