@@ -1,6 +1,5 @@
-// The command line: `dpdref theory | run | export | figure | stability | work-precision | report`. Exit
-// codes: 0 done, 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run
-// again to resume).
+// The command line: `dpdref theory | run | figure | stability | work-precision | report`. Exit codes: 0 done,
+// 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run again to resume).
 
 #include <fmt/format.h>
 
