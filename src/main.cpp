@@ -1,5 +1,6 @@
-// The command line: `dpdref theory | run | figure | stability | work-precision | report`. Exit codes: 0 done,
-// 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run again to resume).
+// The command line: `dpdref theory | convert | run | figure | stability | work-precision | report`. Exit
+// codes: 0 done, 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run
+// again to resume).
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include <thread>
 
 #include "answers.hpp"
+#include "conventions.hpp"
 #include "errors.hpp"
 #include "exact_answers.hpp"
 #include "figure.hpp"
@@ -62,7 +64,7 @@ void list_theory(bool json) {
     if (json) fmt::print("{}\n", list.dump(1));
 }
 
-void evaluate_theory(std::string const& id, std::vector<std::string> const& assignments, bool json) {
+std::vector<std::pair<std::string, std::string>> split(std::vector<std::string> const& assignments) {
     std::vector<std::pair<std::string, std::string>> given;
     for (auto const& assignment : assignments) {
         auto const equals = assignment.find('=');
@@ -70,6 +72,11 @@ void evaluate_theory(std::string const& id, std::vector<std::string> const& assi
             throw dpd::InputError(fmt::format("{}: not an assignment; allowed: key=value", assignment));
         given.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
     }
+    return given;
+}
+
+void evaluate_theory(std::string const& id, std::vector<std::string> const& assignments, bool json) {
+    auto const given = split(assignments);
     double const value = dpd::theory::evaluate(id, given);
     auto const& form = *dpd::theory::find(id);
     if (json) {
@@ -93,6 +100,34 @@ std::optional<std::uint64_t> read_seed(std::optional<std::string> const& text) {
         throw dpd::InputError(
             fmt::format("--seed: {} is not allowed; allowed: an integer, 0 to 2^64-1", *text));
     return seed;
+}
+
+// --- convert ---------------------------------------------------------------------------------------------
+
+void list_codes() {
+    for (auto const& code : dpd::codes()) {
+        fmt::print("{}: {}\n", code.name, code.title);
+        for (auto const& key : code.keys)
+            fmt::print("    {:<24} {}\n",
+                       key.fallback.empty()  ? std::string(key.name)
+                       : key.fallback == "-" ? fmt::format("[{}]", key.name)
+                                             : fmt::format("{}={}", key.name, key.fallback),
+                       key.meaning);
+    }
+}
+
+// The lines can be the arguments of the way back; a scene has them in its first line.
+void convert(std::string const& from, std::string const& to, std::vector<std::string> const& assignments) {
+    auto const& source = dpd::find_code(from);
+    auto const& target = dpd::find_code(to);
+    auto const fluid = dpd::read_fluid(source, split(assignments));
+    std::vector<std::string> lines;
+    for (auto const& [key, value] : dpd::write_fluid(target, fluid))
+        lines.push_back(fmt::format("{}={}", key, value));
+    if (to == "dpdref")
+        fmt::print("# dpdref {}\n{}", fmt::join(lines, " "), dpd::scene_fragment(fluid, source.mover));
+    else
+        fmt::print("{}\n", fmt::join(lines, "\n"));
 }
 
 // --- run -------------------------------------------------------------------------------------------------
@@ -206,6 +241,12 @@ int dispatch(int argc, char** argv) {
     theory->add_option("parameters", assignments, "key=value ...");
     theory->add_flag("--json", json, "print JSON");
 
+    std::string from, to;
+    auto* const converter = app.add_subcommand("convert", "list codes, or convert parameters between two");
+    converter->add_option("from", from, "code or paper that the parameters are of");
+    converter->add_option("to", to, "code or paper that wants them; dpdref: a scene's part")->needs("from");
+    converter->add_option("parameters", assignments, "key=value ...");
+
     std::string scene_file;
     std::optional<std::string> out;
     std::vector<std::string> overrides;
@@ -292,6 +333,11 @@ int dispatch(int argc, char** argv) {
             list_theory(json);
         else
             evaluate_theory(id, assignments, json);
+    } else if (converter->parsed()) {
+        if (from.empty())
+            list_codes();
+        else
+            convert(from, to, assignments);
     } else if (run->parsed()) {
         dpd::Scene const scene = dpd::load_scene(scene_file, overrides, read_seed(seed));
         dpd::RunOptions options;

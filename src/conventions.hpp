@@ -1,0 +1,80 @@
+/// @file
+/// What the codes and papers of the field mean by their parameters, and the way from one to another.
+/// docs/conventions.md has the table with sources.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "weight.hpp"
+
+namespace dpd {
+
+/// A DPD fluid of one species as dpdref means it: on i act, along the unit vector e from j to i,
+/// F_C = a (1 - r/rc), F_D = -gamma w_D(r/rc) e.(v_i - v_j), and noise sigma w_R with w_R^2 = w_D and
+/// sigma^2 = 2 gamma kT.
+struct DpdFluid {
+    double gamma = 0.0;                 ///< friction, mass/time
+    Weight weight = Weight::quadratic;  ///< w_D
+    double rc = 1.0;                    ///< cutoff of all three, length
+    double kT = 1.0;                    ///< energy
+    double m = 1.0;                     ///< mass of each particle
+    double a = 0.0;                     ///< repulsion at contact, force; the energy there is a rc/2
+    std::optional<double> dt = {};      ///< time step, if known
+};
+
+using Assignments = std::vector<std::pair<std::string, std::string>>;
+
+/// How a code moves particles, as far as its forces' convention depends on it.
+enum class Mover {
+    velocity_verlet,  ///< friction from the velocities at half step: stage `modified_verlet`, lambda 1/2
+    s1,               ///< pair after pair, then the potential: `shardlow`, `verlet`
+    exponential,      ///< the same with the pair's Langevin equation solved exactly
+    middle,           ///< kick, half drift, exponential, half drift (OpenMM's LFMiddle)
+    euler,            ///< MY1997
+};
+
+/// One parameter of a code.
+struct Key {
+    /// Which member of DpdFluid it holds, in the code's units and meaning.
+    enum Role { gamma, rc, kT, m, a, dt, other };
+    Role role;
+    std::string_view name, meaning;
+    std::string_view fallback = "";  ///< empty: required; "-": may be missing
+    bool may_be_zero = false;        ///< a number: >= 0 rather than > 0
+};
+
+class Given;
+
+/// A code or a paper.
+struct Code {
+    std::string_view name, title;
+    Mover mover;
+    std::vector<Key> keys;
+    /// What the roles do not say: changes of unit and meaning, the weight.
+    void (*read)(Given const&, DpdFluid&);
+    /// The way back, adding parameters without a role; refuses what the code cannot have.
+    void (*write)(DpdFluid&, Assignments&);
+};
+
+std::span<Code const> codes();
+
+/// The code of that name; InputError lists all.
+Code const& find_code(std::string_view name);
+
+/// The fluid that a code's parameters describe. InputError: unknown, missing or bad ones, and what dpdref
+/// does not have (friction across the line of centres, other weights).
+DpdFluid read_fluid(Code const& code, Assignments const& given);
+
+/// The parameters with which a code has this fluid, numbers as the shortest text that reads back the same.
+/// InputError: what the code cannot have, by name, and what can.
+Assignments write_fluid(Code const& code, DpdFluid fluid);
+
+/// The part of a scene (TOML) that says the same: stages, friction, repulsion, mass, kT and time step.
+std::string scene_fragment(DpdFluid const& fluid, Mover mover);
+
+}  // namespace dpd
