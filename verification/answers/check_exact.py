@@ -175,7 +175,8 @@ class System:
             cells.setdefault(tuple(place), []).append(k)
         groups = {}  # of cells that share a factor
         for place in cells:
-            groups.setdefault({"global": 0, "layers": place[1] // p["thickness"], "monte_carlo": place}[p["mode"]], []).append(place)
+            group = {"global": 0, "layers": place[1] // p["thickness"], "monte_carlo": place}[p["mode"]]
+            groups.setdefault(group, []).append(place)
         for places in groups.values():
             mean = {c: [sum(self.v[k][axis] for k in cells[c]) / len(cells[c]) for axis in range(self.d)] for c in places}
             square = sum((self.v[k][axis] - mean[c][axis]) ** 2 for c in places for k in cells[c] for axis in range(self.d))
