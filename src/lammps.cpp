@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <set>
 #include <vector>
 
 #include "errors.hpp"

@@ -352,6 +352,7 @@ int dispatch(int argc, char** argv) {
         print_result(scene, result, json);
     } else if (lammps->parsed()) {
         dpd::export_lammps(dpd::load_scene(scene_file, overrides, read_seed(seed)), *out);
+        fmt::print("{}: written; next: see {}/README\n", *out, *out);
     } else if (figure->parsed()) {
         if (ids == std::vector<std::string>{"all"}) ids = dpd::figure_ids(verification);
         if (ids.empty()) throw dpd::InputError(fmt::format("{}: holds no figures", verification));

@@ -56,6 +56,7 @@ RULES = [
     (r"(cmake --build build/release) --target docs", r"\1 --target help | grep -w docs",
      f"{LONG}; the target must exist"),
     (r"(python3 verification/cost\.py \S+)", r"\1 --only free --repetitions 1", f"{LONG}; its cheapest scenes"),
+    (r"(python3 verification/lammps/prove\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
     (r"(ctest --preset \w+)", r"\1 -N | grep 'Total Tests: [1-9]'", f"{LONG}; lists the tests"),
     (r"(ctest -R \S+)", r"\1 -N --test-dir build/release | grep 'Total Tests: [1-9]'",
      "that test runs beside this one; it must exist"),
