@@ -10,6 +10,7 @@
 
 #include "errors.hpp"
 #include "run.hpp"
+#include "toml_reader.hpp"
 #include "version.hpp"
 
 namespace dpd {
@@ -18,6 +19,8 @@ namespace {
 [[noreturn]] void refuse(std::string_view what, std::string_view problem, std::string_view allowed) {
     throw InputError(fmt::format("export lammps: {}: {}; allowed: {}", what, problem, allowed));
 }
+
+Soft const* soft_of(Scene const& scene) { return std::get_if<Soft>(&scene.potential); }
 
 // --- what LAMMPS can do ----------------------------------------------------------------------------------
 
@@ -73,7 +76,7 @@ void check_modified_verlet(Scene const& scene) {
         refuse("modified_verlet.sigma", "LAMMPS computes the noise from friction and temperature",
                "0 where gamma is 0");
     noise_exponent(p.weight);
-    auto const* const soft = std::get_if<Soft>(&scene.potential);
+    auto const* const soft = soft_of(scene);
     if (soft && soft->cutoff != p.cutoff)
         refuse("modified_verlet.soft.cutoff", fmt::format("{} is not that of the friction", soft->cutoff),
                fmt::format("{}", p.cutoff));
@@ -101,7 +104,7 @@ void check_shardlow(Scene const& scene) {
             refuse("box.length", fmt::format("{} is too small for fix shardlow", side),
                    fmt::format("more than {:g}", least));
     if (!scene.has_stage("verlet")) return;
-    auto const* const soft = std::get_if<Soft>(&scene.potential);
+    auto const* const soft = soft_of(scene);
     if (!soft) refuse("verlet.lennard_jones", "pair dpd/fdt has a soft potential", "verlet.soft");
     if (soft->cutoff != p.cutoff)
         refuse("verlet.soft.cutoff", fmt::format("{} is not that of the friction", soft->cutoff),
@@ -125,17 +128,12 @@ std::uint64_t lammps_seed(Scene const& scene) {
     return (scene.seed % most + most - 1) % most + 1;
 }
 
-double const* soft_cutoff(Scene const& scene) {
-    auto const* const soft = std::get_if<Soft>(&scene.potential);
-    return soft ? &soft->cutoff : nullptr;
-}
-
 // The force of LAMMPS is A (1 - r/cutoff).
 double force_amplitude(Soft const& soft) { return soft.strength / soft.cutoff; }
 
 std::string pair_lines(Scene const& scene) {
     auto const seed = lammps_seed(scene);
-    auto const* const soft = std::get_if<Soft>(&scene.potential);
+    auto const* const soft = soft_of(scene);
     auto const* const lj = std::get_if<LennardJones>(&scene.potential);
     if (scene.has_stage("shardlow")) {
         auto const& p = scene.shardlow;
@@ -180,13 +178,14 @@ struct Column {
 // cutoff f - 2 U for each pair.
 std::string conservative_virial_lines(Scene const& scene) {
     if (!scene.has_stage("modified_verlet")) return "compute virial all pressure NULL virial\n";
-    if (!soft_cutoff(scene)) return "compute virial all pressure NULL pair/hybrid lj/cut\n";
+    if (!soft_of(scene)) return "compute virial all pressure NULL pair/hybrid lj/cut\n";
     return "compute force all pair/local force\ncompute forces all reduce sum c_force\n";
 }
 
 std::string conservative_virial_pressure(Scene const& scene) {
-    if (!scene.has_stage("modified_verlet") || !soft_cutoff(scene)) return "c_virial";
-    return fmt::format("({}*c_forces-2*c_energy)/{}", *soft_cutoff(scene), scene.dimension * scene.volume());
+    auto const* const soft = soft_of(scene);
+    if (!scene.has_stage("modified_verlet") || !soft) return "c_virial";
+    return fmt::format("({}*c_forces-2*c_energy)/{}", soft->cutoff, scene.dimension * scene.volume());
 }
 
 // The peculiar momentum that a drift carries, by the velocities that drifted, as in `kinetic_stress`.
@@ -257,22 +256,18 @@ std::string msd_lines(Scene const& scene) {
     if (!p) return "";
     static constexpr std::array<std::string_view, 3> unwrapped{"xu", "yu", "zu"};
     auto const d = static_cast<std::size_t>(scene.dimension);
-    auto const first = d - static_cast<std::size_t>(scene.sample.components);
+    auto const components = static_cast<std::size_t>(scene.sample.components);
     std::uint64_t const longest = p->spacing * p->lags;
     std::string names, reduced, sum, lines;
-    for (std::size_t axis = first; axis < d; ++axis) {
-        auto const name = unwrapped[axis];
+    for (std::size_t c = 1; c <= components; ++c) {
+        auto const name = unwrapped[d - components + c - 1];
+        std::string const column =
+            components == 1 ? "" : fmt::format("[{}]", c);  // LAMMPS: a vector has none
+        lines += fmt::format("compute {0} all property/atom {0}\nvariable moved_{0} atom c_{0}-f_origin{1}\n",
+                             name, column);
         names += fmt::format(" {}", name);
-        lines +=
-            fmt::format("compute {0} all property/atom {0}\nvariable moved_{0} atom c_{0}-f_origin[{1}]\n",
-                        name, axis - first + 1);
         reduced += fmt::format(" v_moved_{}", name);
-        sum += fmt::format("{}c_squares{}", axis == first ? "" : "+",
-                           scene.sample.components == 1 ? "" : fmt::format("[{}]", axis - first + 1));
-    }
-    if (scene.sample.components == 1) {
-        // with one component `fix store/state` has no columns
-        for (auto at = lines.find("[1]"); at != std::string::npos; at = lines.find("[1]")) lines.erase(at, 3);
+        sum += fmt::format("{}c_squares{}", c == 1 ? "" : "+", column);
     }
     return lines + fmt::format(
                        "compute squares all reduce sumsq{0}\n"
@@ -321,8 +316,8 @@ template <int d>
 std::string particle_data(Scene const& scene) {
     auto const simulation = build<d>(scene, {});
     auto const& particles = simulation.particles;
-    std::string text =
-        fmt::format("dpdref {}: {}\n\n{} atoms\n1 atom types\n\n", version, scene.title, particles.size());
+    std::string text = fmt::format("dpdref {}: {}\n\n{} atoms\n1 atom types\n\n", version,
+                                   one_line(scene.title), particles.size());
     static constexpr std::array<char, 3> axes{'x', 'y', 'z'};
     for (int axis = 0; axis < d; ++axis)
         text += fmt::format("0 {} {}lo {}hi\n", scene.length[std::size_t(axis)], axes[std::size_t(axis)],
@@ -373,10 +368,7 @@ std::string lammps_deck(Scene const& scene) {
     check(scene);
     bool const sheared = scene.shear_rate != 0.0;
     auto const& rdf = scene.sample.radial_distribution;
-    std::string title = scene.title;
-    std::replace_if(
-        title.begin(), title.end(), [](unsigned char c) { return c < 0x20; }, ' ');
-    std::string deck = fmt::format("# {}\n# exported by dpdref {}, seed {}\n", title, version, scene.seed);
+    std::string deck = fmt::format("# {} (dpdref {}, seed {})\n", one_line(scene.title), version, scene.seed);
     deck += fmt::format("units lj\ndimension {}\natom_style {}\n", scene.dimension,
                         scene.has_stage("shardlow") ? "dpd" : "atomic");
     deck +=

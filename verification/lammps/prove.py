@@ -3,7 +3,7 @@
 
 Needs `lmp` with the packages DPD-BASIC and DPD-REACT on the PATH; Python's standard library only. Finished runs are
 kept in the working directory; the same command again goes on where it was stopped.
-Usage: prove.py --dpdref PATH --work DIR [--write FILE.md] [STATE...]
+Usage: prove.py --dpdref PATH --work DIR [--write PAGE.md] [STATE...]: the table goes between two marked lines.
 """
 import argparse
 import json
@@ -12,11 +12,12 @@ import pathlib
 import statistics
 import subprocess
 
+BEGIN, END = "<!-- results: written by verification/lammps/prove.py -->", "<!-- end of results -->"
 HERE = pathlib.Path(__file__).resolve().parent
 
 # name of the state: scene, and what is set on top of it
 STATES = {
-    "Groot-Warren, step 0.04": ("gw", []),
+    "Groot-Warren, step 0.04": ("gw", ["time.duration=400.0"]),
     "Groot-Warren, step 0.02": ("gw", ["time.step=0.02"]),
     "linear weight": ("gw", ["modified_verlet.weight=linear"]),
     "gamma 45": ("gw", ["modified_verlet.gamma=45.0", f"modified_verlet.sigma={math.sqrt(90.0)}", "time.step=0.01",
@@ -115,7 +116,8 @@ def main():
             own.append(f"| {name} | {column} | {value:.4f} | {error:.4f} | {expected} |")
             print(own[-1], flush=True)
     if given.write:
-        given.write.write_text("\n".join(lines + own) + "\n")
+        before, rest = given.write.read_text().split(BEGIN)
+        given.write.write_text("\n".join([before + BEGIN, *lines, *own, END + rest.split(END)[1]]))
 
 
 if __name__ == "__main__":

@@ -116,6 +116,7 @@ BOOST_DATA_TEST_CASE(
         {splitting, {}, "fix friction_and_noise all shardlow\nfix move all nve\n"},
         {lennard_jones, {}, "pair_style lj/cut 2.5\npair_coeff 1 1 1 1\npair_modify shift yes\n"},
         {groot_warren, {"box.shear_rate=0.3"}, "fix shear all deform 1 xy erate 0.3 remap v\n"},
+        {groot_warren, {R"(title="one\ntwo &")"}, "# one two & (dpdref "},
         {groot_warren, {"seed=0"}, "pair_style dpd 1 1 900000000\n"},
         {groot_warren, {"seed=900000001"}, "pair_style dpd 1 1 1\n"},
         {groot_warren,
