@@ -1,4 +1,5 @@
 // The command line: `dpdref theory | convert | run | figure | stability | work-precision | report`. Exit
+// The command line: `dpdref theory | run | figure | stability | work-precision | compare | report`. Exit
 // codes: 0 done, 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run
 // again to resume).
 
@@ -15,6 +16,7 @@
 
 #include "answers.hpp"
 #include "conventions.hpp"
+#include "compare.hpp"
 #include "errors.hpp"
 #include "exact_answers.hpp"
 #include "figure.hpp"
@@ -305,6 +307,24 @@ int dispatch(int argc, char** argv) {
     auto* const exact = app.add_subcommand("exact", "single steps of a few particles with given noise");
     exact->add_flag("--json", json, "print all numbers, as JSON");
     exact->add_option("--verification", verification, "directory of the definitions");
+    std::vector<std::string> outputs, renamings;
+    std::optional<std::string> state_point, reference, discard;
+    std::string answers =
+        (std::filesystem::path(verification) / "../figures/answers/answers.json").lexically_normal().string();
+    std::size_t table = 0;
+    double resolution = 0.01;
+    auto* const compare = app.add_subcommand("compare", "judge another code's output against a reference");
+    compare->add_option("files", outputs, "CSV, LAMMPS log or fix ave/time file, H5MD, result of dpdref run")
+        ->required();
+    auto* const of_answer = compare->add_option("--answer", state_point, "id of a reference answer");
+    compare->add_option("--answers", answers, "file of the reference answers");
+    compare->add_option("--reference", reference, "result of dpdref run --out")->excludes(of_answer);
+    compare->add_option("--as", renamings, "COLUMN=quantity[*factor]")->allow_extra_args(false);
+    compare->add_option("--discard", discard, "equilibration: a time or step of the file, or a share as 20%");
+    compare->add_option("--run", table, "which thermo table of a log, from 1; default the last");
+    compare->add_option("--resolution", resolution, "relative combined error that an agreement needs")
+        ->check(CLI::PositiveNumber);
+    compare->add_flag("--json", json, "print JSON");
 
     std::string report_dir = "figures";
     auto* const report =
@@ -383,6 +403,19 @@ int dispatch(int argc, char** argv) {
         else
             for (auto const& one : answers["cases"])
                 fmt::print("{:<42} {}\n", one["id"].get<std::string>(), one["source"].get<std::string>());
+    } else if (compare->parsed()) {
+        if (!state_point && !reference)
+            throw dpd::InputError("compare: no reference; allowed: --answer ID, --reference FILE.h5");
+        auto const against =
+            state_point ? dpd::answer_reference(answers, *state_point) : dpd::run_reference(*reference);
+        std::vector<dpd::CodeOutput> files;
+        for (auto const& file : outputs) files.push_back(dpd::read_output(file, table));
+        std::vector<dpd::Renaming> names;
+        for (auto const& text : renamings) names.push_back(dpd::renaming_from_text(text));
+        auto const averages =
+            dpd::average(files, against, names, discard ? dpd::discard_from_text(*discard) : dpd::Discard{});
+        auto const result = dpd::compare(averages, against, resolution);
+        if (!dpd::print(result, averages, against, json)) return exit_disagrees;
     } else if (report->parsed()) {
         auto const comparisons = dpd::load_comparisons(report_dir);
         if (comparisons.empty())

@@ -102,6 +102,16 @@ Estimate blocking(std::span<double const> series) {
     return combine(runs);
 }
 
+Estimate difference(Estimate const& a, Estimate const& b) {
+    Estimate result{.value = a.value - b.value, .error = std::hypot(a.error, b.error)};
+    double sum = 0.0;  // of squared variances over their degrees of freedom
+    for (Estimate const* const e : {&a, &b})
+        if (e->error > 0.0) sum += std::pow(e->error, 4) / (double(e->blocks) - 1.0);
+    result.blocks = sum > 0.0 ? 1 + static_cast<std::size_t>(std::pow(result.error, 4) / sum)
+                              : std::min(a.blocks, b.blocks);
+    return result;
+}
+
 std::string_view name_of(Verdict verdict) {
     switch (verdict) {
         case Verdict::agrees:

@@ -31,6 +31,10 @@ Estimate combine(std::span<std::vector<double> const> runs);
 /// Mean and error of numbers that are already independent.
 Estimate independent(std::span<double const> values);
 
+/// a - b of independent estimates, with the combined error and, rounded down, Welch's degrees of freedom
+/// (Biometrika 34, 28 (1947)): (ea^2+eb^2)^2/(ea^4/(blocks_a-1) + eb^4/(blocks_b-1)).
+Estimate difference(Estimate const& a, Estimate const& b);
+
 /// What a comparison says.
 enum class Verdict { agrees, disagrees, undecided };
 

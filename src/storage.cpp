@@ -91,6 +91,21 @@ bool Archive::has(std::string const& name) const {
     });
 }
 
+std::vector<std::string> Archive::observables() const {
+    std::vector<std::string> names;
+    if (!has("observables")) return names;
+    return guarded(path_, "read", [&] {
+        H5::Group const group = file_->h5.openGroup("observables");
+        for (hsize_t k = 0; k < group.getNumObjs(); ++k) {
+            std::string const name = group.getObjnameByIdx(k),
+                              value = fmt::format("observables/{}/value", name);
+            if (has(value) && file_->h5.openDataSet(value).getSpace().getSimpleExtentNdims() == 1)
+                names.push_back(name);
+        }
+        return names;
+    });
+}
+
 void Archive::operator()(std::string const& name, double& value) {
     std::vector<double> one{value};
     (*this)(name, one);

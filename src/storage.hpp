@@ -25,6 +25,9 @@ public:
     bool reading() const { return mode_ == Mode::read; }
     bool has(std::string const& name) const;
 
+    /// Names of the H5MD observables that are one number per sample.
+    std::vector<std::string> observables() const;
+
     void operator()(std::string const& name, double& value);
     void operator()(std::string const& name, std::uint64_t& value);
     void operator()(std::string const& name, std::string& value);

@@ -233,6 +233,21 @@ expect 0 -- "${long[@]}" --out KILL.h5
 [ "$(numbers out)" = "$(numbers whole.json)" ] || fail "SIGKILL: the resumed run differs"
 no_remains SIGKILL
 
+# --- compare --------------------------------------------------------------------------------------------
+printf 'quantity,value,error,blocks\nkinetic_temperature,1.0,0.05,20\ncolour,1,0.1,8\n' >code.csv
+expect 0 -- compare code.csv --reference a.h5 --resolution 1
+grep -qE '^kinetic_temperature .* agrees$' out && grep -qE '^colour .* no reference$' out || fail "compare: $(cat out)"
+grep -q '^1 comparisons with a.h5: 1 agree.*whole table 1 %' out || fail "compare: $(cat out)"
+grep -q '^not measured: .*kinetic_stress' out || fail "compare: does not say what is missing: $(cat out)"
+expect 0 -- compare code.csv --reference a.h5 --json
+check "compare --json is no JSON" is_json out
+call compare code.csv --reference a.h5 --as kinetic_temperature=kinetic_temperature*2
+[ "$code" -eq 1 ] && grep -qE '^kinetic_temperature .* disagrees$' out || fail "compare: exit code $code: $(cat out)"
+expect 2 "--answer ID" -- compare code.csv
+expect 2 code.csv -- compare code.csv --reference code.csv
+expect 2 none.json -- compare code.csv --answer gas --answers none.json
+expect 2 "no column T" -- compare code.csv --reference a.h5 --as T=kinetic_temperature
+
 # --- report ---------------------------------------------------------------------------------------------
 expect 2 figures "dpdref figure" -- report
 expect 2 nothing -- report --figures nothing

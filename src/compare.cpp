@@ -1,0 +1,689 @@
+#include "compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/algorithm/string.hpp>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "errors.hpp"
+#include "figure.hpp"
+#include "storage.hpp"
+#include "toml_reader.hpp"
+
+namespace dpd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Words = std::vector<std::string>;
+
+// An error that comes without its number of blocks is taken as exact.
+constexpr std::size_t many_blocks = 1'000'000;
+
+std::optional<double> to_number(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double number = 0.0;
+    auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || end != text.data() + text.size()) return {};
+    return number;
+}
+
+// --- text ------------------------------------------------------------------------------------------------
+
+// The lines of a file and where they came from.
+struct Text {
+    std::string file;
+    std::vector<std::string> lines;
+    bool whole = true;  // whether the last line has its end
+
+    Text(std::filesystem::path const& path, std::string const& content) : file(path.string()) {
+        boost::split(lines, content, boost::is_any_of("\n"));
+        whole = lines.back().empty();
+        if (whole) lines.pop_back();
+        for (auto& line : lines) boost::trim(line);
+    }
+
+    [[noreturn]] void fail(std::size_t line, std::string const& what) const {
+        throw InputError(fmt::format("{}:{}: {}", file, line + 1, what));
+    }
+
+    double number(std::size_t line, std::string const& word) const {
+        auto const value = to_number(word);
+        if (!value || !std::isfinite(*value))
+            fail(line, fmt::format("{} is not allowed; allowed: a number", word));
+        return *value;
+    }
+
+    bool last(std::size_t line) const { return line + 1 == lines.size(); }
+};
+
+Words words_of(std::string const& line) {
+    Words words;
+    boost::split(words, line, boost::is_space(), boost::token_compress_on);
+    std::erase(words, "");
+    return words;
+}
+
+Words fields_of(std::string const& line) {
+    Words fields;
+    boost::split(fields, line, boost::is_any_of(","));
+    for (auto& field : fields) boost::trim_if(field, boost::is_any_of(" \t\""));
+    return fields;
+}
+
+bool is_axis(std::string const& name) {
+    static std::set<std::string> const axes{"step", "timestep", "time"};
+    return axes.contains(boost::to_lower_copy(name));
+}
+
+// Series from columns of samples; the first column of times or steps is the axis, others of them go.
+struct Columns {
+    Words names;
+    std::vector<std::vector<double>> samples;
+
+    explicit Columns(Words columns) : names(std::move(columns)), samples(names.size()) {}
+
+    void add(Text const& text, std::size_t line, Words const& row) {
+        if (row.size() != names.size())
+            text.fail(line,
+                      fmt::format("{} columns; allowed: {}, as in the header", row.size(), names.size()));
+        for (std::size_t c = 0; c < names.size(); ++c) samples[c].push_back(text.number(line, row[c]));
+    }
+
+    void move_to(CodeOutput& output) {
+        for (std::size_t c = 0; c < names.size(); ++c)
+            if (!is_axis(names[c])) {
+                output.series.emplace_back(names[c], std::move(samples[c]));
+            } else if (output.axis.empty()) {
+                output.axis = names[c];
+                output.at = std::move(samples[c]);
+            }
+    }
+};
+
+// --- formats ---------------------------------------------------------------------------------------------
+
+CodeOutput read_csv(Text const& text) {
+    CodeOutput output;
+    std::optional<Columns> columns;
+    bool values = false, curve = false;
+    for (std::size_t k = 0; k < text.lines.size(); ++k) {
+        if (text.lines[k].empty() || text.lines[k].front() == '#') continue;
+        Words const row = fields_of(text.lines[k]);
+        if (!columns) {
+            if (to_number(row[0])) text.fail(k, "no header; allowed: names of the columns");
+            columns.emplace(row);
+            values = row.size() >= 3 && row[0] == "quantity" && row[1] == "value" && row[2] == "error";
+            curve = row.size() >= 3 && row[0] == "r" && row[1] == "radial_distribution" && row[2] == "error";
+            if ((values || curve) && (row.size() > 4 || (row.size() == 4 && row[3] != "blocks")))
+                text.fail(k, fmt::format("allowed: {},{},error[,blocks]", row[0], row[1]));
+        } else if (!values && !curve) {
+            columns->add(text, k, row);
+        } else {
+            if (row.size() != columns->names.size())
+                text.fail(k, fmt::format("{} columns; allowed: {}", row.size(), columns->names.size()));
+            Estimate estimate{.value = text.number(k, row[1]), .error = text.number(k, row[2])};
+            double const blocks = row.size() == 4 ? text.number(k, row[3]) : double(many_blocks);
+            if (estimate.error < 0.0) text.fail(k, "error is negative; allowed: a number >= 0");
+            if (!(blocks >= 2.0 && blocks <= 1e9)) text.fail(k, "blocks: allowed: an integer, 2 to 1e9");
+            estimate.blocks = static_cast<std::size_t>(blocks);
+            if (values) {
+                output.values.push_back({row[0], estimate});
+            } else {
+                output.curve.x.push_back(text.number(k, row[0]));
+                output.curve.y.push_back(estimate);
+            }
+        }
+    }
+    if (columns && !values && !curve) columns->move_to(output);
+    return output;
+}
+
+// Lines of a thermo table are those that begin with a number; messages of the program may stand between.
+CodeOutput read_log(Text const& text, std::size_t run) {
+    CodeOutput output;
+    std::vector<Columns> tables;
+    bool in_table = false;
+    for (std::size_t k = 0; k < text.lines.size(); ++k) {
+        std::string const& line = text.lines[k];
+        Words const words = words_of(line);
+        if (words.empty()) continue;
+        if (line.starts_with("Per MPI rank memory") || line.starts_with("Memory usage per processor")) {
+            if (text.last(k)) break;
+            Words const names = words_of(text.lines[++k]);
+            if (names.empty() || names[0].starts_with("-"))
+                text.fail(k, "no header of a thermo table; allowed: thermo_style one or custom");
+            tables.emplace_back(names);
+            in_table = true;
+        } else if (line.starts_with("Loop time of")) {
+            in_table = false;
+        } else if (words[0] == "units" && words.size() > 1) {
+            output.per_particle = words[1] == "lj";
+        } else if (words[0] == "thermo_modify") {
+            if (auto const norm = std::find(words.begin(), words.end(), "norm"); words.end() - norm > 1)
+                output.per_particle = norm[1] == "yes";
+        } else if (words[0] == "ERROR:" || words[0] == "ERROR") {
+            output.notes.push_back(fmt::format("{}:{}: {}", text.file, k + 1, line));
+        } else if (in_table && to_number(words[0])) {
+            if (!text.whole && text.last(k))
+                output.notes.push_back(
+                    fmt::format("{}:{}: the line has no end and was left out", text.file, k + 1));
+            else
+                tables.back().add(text, k, words);
+        }
+    }
+    if (tables.empty() || run > tables.size())
+        throw InputError(fmt::format("{}: --run {}: allowed: 1 to {}, the thermo tables of the log",
+                                     text.file, run, tables.size()));
+    (run == 0 ? tables.back() : tables[run - 1]).move_to(output);
+    return output;
+}
+
+// Two lines of header before rows of scalars; three before blocks of rows, each after a line of its own.
+CodeOutput read_ave_time(Text const& text) {
+    CodeOutput output;
+    std::size_t k = 0;
+    while (k < text.lines.size() && text.lines[k].starts_with("#")) ++k;
+    bool const vector = k == 3;
+    if (k < 2 || k > 3)
+        text.fail(k, fmt::format("{} lines of header; allowed: 2 or 3, as fix ave/time writes them", k));
+    Columns columns(words_of(text.lines[k - 1].substr(1)));
+    if (vector && columns.names.size() < 3)
+        text.fail(k - 1, "allowed: row, r, g(r), and columns that do not count");
+    if (vector) output.axis = "step";
+    auto const cut = [&](std::size_t line) {
+        output.notes.push_back(fmt::format("{}:{}: the file ends within a line or block, which was left out",
+                                           text.file, line + 1));
+    };
+    while (k < text.lines.size()) {
+        if (text.lines[k].empty() || text.lines[k].front() == '#') {
+            ++k;
+            continue;
+        }
+        Words const row = words_of(text.lines[k]);
+        std::size_t const first = k;
+        std::size_t rows = 1;
+        if (vector) {
+            double const count = row.size() == 2 ? text.number(k, row[1]) : 0.0;
+            if (!(count >= 1.0 && count <= 1e9 && count == std::floor(count)))
+                text.fail(k, "no head of a block; allowed: step and number of rows");
+            rows = static_cast<std::size_t>(count) + 1;
+        }
+        if (rows > text.lines.size() - first || (rows == text.lines.size() - first && !text.whole)) {
+            cut(first);
+            break;
+        }
+        k += rows;
+        if (!vector) {
+            columns.add(text, first, row);
+            continue;
+        }
+        Columns block(columns.names);
+        for (std::size_t line = first + 1; line < k; ++line)
+            block.add(text, line, words_of(text.lines[line]));
+        if (output.r.empty()) {
+            output.r = block.samples[1];
+            output.g.resize(output.r.size());
+        }
+        if (block.samples[1] != output.r) text.fail(first, "other bins than before; allowed: the same");
+        for (std::size_t bin = 0; bin < output.r.size(); ++bin)
+            output.g[bin].push_back(block.samples[2][bin]);
+        output.at.push_back(text.number(first, row[0]));
+    }
+    if (!vector) columns.move_to(output);
+    return output;
+}
+
+CodeOutput read_hdf5(std::filesystem::path const& file) {
+    CodeOutput output;
+    Archive archive(file, Archive::Mode::read);
+    if (archive.has("dpdref/scene")) {
+        auto const result = run_reference(file);
+        output.values = result.quantities;
+        output.curve = result.radial_distribution;
+        return output;
+    }
+    for (auto const& name : archive.observables()) {
+        std::vector<double> samples;
+        archive(fmt::format("observables/{}/value", name), samples);
+        if (!std::all_of(samples.begin(), samples.end(), [](double x) { return std::isfinite(x); }))
+            throw InputError(fmt::format("{}: observables/{}: not all are numbers", file.string(), name));
+        output.series.emplace_back(name, std::move(samples));
+    }
+    return output;
+}
+
+}  // namespace
+
+CodeOutput read_output(std::filesystem::path const& file, std::size_t run) {
+    std::string const content = read_file(file);
+    CodeOutput output;
+    if (content.starts_with("\x89HDF")) {
+        output = read_hdf5(file);
+    } else {
+        Text const text(file, content);
+        bool const log = std::any_of(text.lines.begin(), text.lines.end(), [](auto const& line) {
+            return line.starts_with("LAMMPS (") || line.starts_with("Per MPI rank memory") ||
+                   line.starts_with("Memory usage per processor");
+        });
+        auto const data = std::find_if(text.lines.begin(), text.lines.end(),
+                                       [](auto const& line) { return !line.empty() && line[0] != '#'; });
+        bool const commas = data != text.lines.end() && data->find(',') != std::string::npos;
+        output = log                                   ? read_log(text, run)
+                 : content.starts_with('#') && !commas ? read_ave_time(text)
+                                                       : read_csv(text);
+    }
+    output.file = file.string();
+    bool const samples = std::any_of(output.series.begin(), output.series.end(),
+                                     [](auto const& series) { return !series.second.empty(); });
+    if (output.values.empty() && output.curve.x.empty() && output.g.empty() && !samples)
+        throw InputError(
+            fmt::format("{}: holds no samples; allowed: CSV, a LAMMPS log, a file of fix ave/time, H5MD "
+                        "(observables/NAME/value)",
+                        output.file));
+    return output;
+}
+
+// --- options ---------------------------------------------------------------------------------------------
+
+Renaming renaming_from_text(std::string const& text) {
+    auto const equals = text.find('=');
+    auto const times = text.find('*', equals == std::string::npos ? 0 : equals);
+    Renaming renaming{.column = text.substr(0, equals), .quantity = {}};
+    if (equals != std::string::npos) renaming.quantity = text.substr(equals + 1, times - equals - 1);
+    auto const factor = times == std::string::npos ? 1.0 : to_number(text.substr(times + 1));
+    if (renaming.column.empty() || renaming.quantity.empty() || !factor || !std::isfinite(*factor) ||
+        *factor == 0.0)
+        throw InputError(
+            fmt::format("--as: {} is not allowed; allowed: COLUMN=quantity or COLUMN=quantity*factor", text));
+    renaming.factor = *factor;
+    return renaming;
+}
+
+Discard discard_from_text(std::string const& text) {
+    bool const percent = text.ends_with('%');
+    auto const amount = to_number(percent ? text.substr(0, text.size() - 1) : text);
+    if (!amount || !std::isfinite(*amount) || (percent && !(*amount >= 0.0 && *amount < 100.0)))
+        throw InputError(fmt::format(
+            "--discard: {} is not allowed; allowed: a time or step of the file, or 0% to 99%", text));
+    return {.share = percent ? *amount / 100.0 : 0.0, .before = percent ? -INFINITY : *amount};
+}
+
+// --- references ------------------------------------------------------------------------------------------
+
+Reference answer_reference(std::filesystem::path const& answers, std::string const& id) {
+    try {
+        Json const json = Json::parse(read_file(answers));
+        if (json.at("schema") != "dpdref-answers/1")
+            throw InputError(fmt::format("{}: schema {}; allowed: dpdref-answers/1", answers.string(),
+                                         json.at("schema").dump()));
+        Words ids;
+        for (auto const& state : json.at("states")) {
+            ids.push_back(state.at("id"));
+            if (ids.back() != id) continue;
+            Reference reference{.name = fmt::format("answer {}", id), .quantities = {}};
+            auto const estimate = [](Json const& value, Json const& error, Json const& blocks) {
+                return Estimate{.value = value,
+                                .error = error.is_number() ? error.get<double>() : std::nan(""),
+                                .blocks = blocks};
+            };
+            for (auto const& [name, q] : state.at("quantities").items())
+                reference.quantities.push_back(
+                    {name, estimate(q.at("value"), q.at("error"), q.at("blocks"))});
+            if (state.contains("curves") && state.at("curves").contains("radial_distribution")) {
+                auto const& g = state.at("curves").at("radial_distribution");
+                reference.radial_distribution.x = g.at("x").get<std::vector<double>>();
+                for (std::size_t bin = 0; bin < reference.radial_distribution.x.size(); ++bin)
+                    reference.radial_distribution.y.push_back(
+                        estimate(g.at("value").at(bin), g.at("error").at(bin),
+                                 g.contains("blocks") ? g.at("blocks").at(bin) : Json(many_blocks)));
+            }
+            for (auto const& [which, text] : state.at("scenes").items()) {
+                Scene const scene = parse_scene(text, fmt::format("{}: {} {}", answers.string(), id, which));
+                if (which == "rest") reference.components = diffusing_components(scene);
+                if (which == "shear") reference.shear_rate = scene.shear_rate;
+            }
+            return reference;
+        }
+        throw InputError(fmt::format("--answer: {} is unknown; allowed: {}", id, fmt::join(ids, ", ")));
+    } catch (Json::exception const& error) {
+        throw InputError(fmt::format("{}: {}", answers.string(), one_line(error.what())));
+    }
+}
+
+Reference run_reference(std::filesystem::path const& file) {
+    std::string text, status;
+    std::uint64_t seed = 0;
+    {
+        Archive archive(file, Archive::Mode::read);
+        if (archive.has("dpdref/status")) archive("dpdref/status", status);
+        if (status != "complete")
+            throw InputError(fmt::format("{}: is not allowed; allowed: a finished result of dpdref run --out",
+                                         file.string()));
+        archive("dpdref/scene", text);
+        archive("dpdref/seed", seed);
+    }
+    Scene const scene = parse_scene(text, file.string(), {}, seed);
+    std::vector<Record> const records{run(scene, {.output = file, .progress = {}}).record};
+    return {.name = file.string(),
+            .quantities = analyze(scene, records),
+            .radial_distribution = curve_of(scene, records, "radial_distribution"),
+            .shear_rate = scene.shear_rate,
+            .components = diffusing_components(scene)};
+}
+
+// --- averages --------------------------------------------------------------------------------------------
+
+namespace {
+
+struct Alias {
+    std::string_view column, quantity;
+    bool energy = false;
+};
+
+// What LAMMPS calls that which dpdref measures, too.
+constexpr std::array<Alias, 6> lammps_names{{{"Temp", "kinetic_temperature"},
+                                             {"c_thermo_temp", "kinetic_temperature"},
+                                             {"Press", "pressure"},
+                                             {"c_thermo_press", "pressure"},
+                                             {"PotEng", "potential_energy", true},
+                                             {"E_pair", "potential_energy", true}}};
+
+bool is_known(Reference const& reference, std::string_view name) {
+    return name == "stress_xy" || find_quantity(reference.quantities, name);
+}
+
+// A column's quantity and factor.
+Renaming named(std::string const& column, bool per_particle, Reference const& reference,
+               std::vector<Renaming> const& renamings) {
+    for (auto const& renaming : renamings)
+        if (renaming.column == column) return renaming;
+    if (is_known(reference, column)) return {column, column};
+    for (auto const& alias : lammps_names)
+        if (alias.column == column && (per_particle || !alias.energy))
+            return {column, std::string(alias.quantity)};
+    if (column.starts_with("v_") || column.starts_with("c_"))
+        if (auto const bare = column.substr(2); is_known(reference, bare)) return {column, bare};
+    return {column, column};
+}
+
+// In a shear flow: the viscosity that a stress is, over the rate.
+void make_viscosity(Renaming& renaming, double shear_rate) {
+    static constexpr std::string_view suffix = "_stress";
+    std::string& name = renaming.quantity;
+    if (shear_rate == 0.0) return;
+    if (name == "stress_xy")
+        name = "viscosity";
+    else if (name == "kinetic_stress" || name == "collision_stress" || name == "potential_stress")
+        name = name.substr(0, name.size() - suffix.size()) + "_viscosity";
+    else
+        return;
+    renaming.factor /= shear_rate;
+}
+
+std::vector<double> const* find_series(CodeOutput const& output, std::string_view name) {
+    for (auto const& [column, samples] : output.series)
+        if (column == name) return &samples;
+    return nullptr;
+}
+
+// One diffusion constant for each origin whose lags are there to the longest: the slope over their second
+// half.
+std::vector<double> diffusion_by_origin(std::vector<double> const& lag, std::vector<double> const& squares,
+                                        std::size_t first, int components) {
+    std::vector<double> constants;
+    double const longest = lag.empty() ? 0.0 : *std::max_element(lag.begin(), lag.end());
+    double const almost = 1.0 - 1e-9;
+    std::optional<std::size_t> middle;
+    for (std::size_t k = first; k < lag.size(); ++k) {
+        if (k > first && lag[k] <= lag[k - 1]) middle.reset();
+        if (lag[k] * almost <= 0.5 * longest)
+            middle = k;
+        else if (middle && lag[k] >= longest * almost)
+            constants.push_back((squares[k] - squares[*middle]) /
+                                (2.0 * components * (lag[k] - lag[*middle])));
+    }
+    return constants;
+}
+
+// How many of a file's first samples, `size` in all, are left out.
+std::size_t discarded(CodeOutput const& output, std::size_t size, Discard const& discard) {
+    bool const by_time = discard.before > -INFINITY;
+    if (size == 0) return 0;
+    if (by_time && output.axis.empty())
+        throw InputError(fmt::format(
+            "{}: --discard: there is no column of times or steps; allowed: a share, as 20%", output.file));
+    auto first = static_cast<std::size_t>(discard.share * double(size));
+    while (by_time && first < size && output.at[first] < discard.before) ++first;
+    if (first == size)
+        throw InputError(fmt::format("{}: --discard: leaves nothing; allowed: less than all", output.file));
+    return first;
+}
+
+// Whether the halves of a series differ by more than chance allows in one of `family` series.
+bool drifts(std::vector<double> const& samples, std::size_t family) {
+    std::span<double const> const all(samples);
+    auto const gap = difference(blocking(all.first(all.size() / 2)), blocking(all.last(all.size() / 2)));
+    double const allowed = critical_z(family_false_alarm / double(family), gap.blocks) * gap.error;
+    return std::isfinite(allowed) && std::abs(gap.value) > allowed;
+}
+
+}  // namespace
+
+Averages average(std::vector<CodeOutput> const& outputs, Reference const& reference,
+                 std::vector<Renaming> const& renamings, Discard const& discard) {
+    Averages averages;
+    std::map<std::string, CodeOutput const*> source;  // of each quantity
+    std::set<std::string> columns;
+    std::vector<std::pair<std::string, std::vector<double>>> kept;
+    auto const add = [&](std::string const& quantity, Estimate const& estimate, CodeOutput const& from) {
+        if (auto const [other, fresh] = source.emplace(quantity, &from);
+            !fresh && is_known(reference, quantity))
+            throw InputError(fmt::format("{}: is in {} and in {}; allowed: once (--as gives another name)",
+                                         quantity, other->second->file, from.file));
+        averages.quantities.push_back({quantity, estimate});
+    };
+    auto const use = [&](CodeOutput const& output, std::string const& column) {
+        columns.insert(column);
+        Renaming renaming = named(column, output.per_particle, reference, renamings);
+        // of two names for one thing in a file, as E_pair and PotEng, the first counts
+        if (renaming.quantity != column && source.contains(renaming.quantity) &&
+            source[renaming.quantity] == &output &&
+            std::none_of(renamings.begin(), renamings.end(),
+                         [&](auto const& r) { return r.column == column; }))
+            return Renaming{column, column};
+        make_viscosity(renaming, reference.shear_rate);
+        return renaming;
+    };
+    for (auto const& output : outputs) {
+        averages.notes.insert(averages.notes.end(), output.notes.begin(), output.notes.end());
+        for (auto const& [column, estimate] : output.values) {
+            auto const [from, quantity, factor] = use(output, column);
+            add(quantity,
+                {.value = factor * estimate.value,
+                 .error = std::abs(factor) * estimate.error,
+                 .blocks = estimate.blocks},
+                output);
+        }
+        std::size_t const samples = !output.g.empty()       ? output.g.front().size()
+                                    : output.series.empty() ? 0
+                                                            : output.series.front().second.size();
+        std::size_t const first = discarded(output, samples, discard);
+        if (samples > 0)
+            averages.notes.push_back(first == 0 ? fmt::format("{}: nothing was discarded", output.file)
+                                                : fmt::format("{}: the first {} of {} samples were discarded",
+                                                              output.file, first, samples));
+        auto const rest_of = [&](std::vector<double> const& series, double factor) {
+            std::vector<double> rest;
+            for (std::size_t k = discarded(output, series.size(), discard); k < series.size(); ++k)
+                rest.push_back(factor * series[k]);
+            return rest;
+        };
+        auto const *lag = find_series(output, "lag"),
+                   *squares = find_series(output, "mean_square_displacement");
+        for (auto const& [column, series] : output.series) {
+            if (lag && squares && (&series == lag || &series == squares)) continue;
+            auto const [from, quantity, factor] = use(output, column);
+            auto rest = rest_of(series, factor);
+            add(quantity, blocking(rest), output);
+            kept.emplace_back(quantity, std::move(rest));
+        }
+        if (lag && squares) {
+            auto constants = diffusion_by_origin(*lag, *squares, first, reference.components);
+            add("diffusion_constant", blocking(constants), output);
+            kept.emplace_back("diffusion_constant", std::move(constants));
+        }
+        if (output.g.empty() && output.curve.x.empty()) continue;
+        if (auto const [other, fresh] = source.emplace("radial_distribution", &output); !fresh)
+            throw InputError(fmt::format("radial_distribution: is in {} and in {}; allowed: once",
+                                         other->second->file, output.file));
+        averages.radial_distribution = output.curve;
+        if (output.g.empty()) continue;
+        averages.radial_distribution.x = output.r;
+        for (auto const& bin : output.g)
+            averages.radial_distribution.y.push_back(blocking(rest_of(bin, 1.0)));
+    }
+    for (auto const& renaming : renamings)
+        if (!columns.contains(renaming.column))
+            throw InputError(fmt::format("--as: there is no column {}; allowed: {}", renaming.column,
+                                         fmt::join(columns, ", ")));
+    for (auto const& [quantity, samples] : kept)
+        if (drifts(samples, kept.size()))
+            averages.notes.push_back(fmt::format(
+                "{}: its first and second half differ by more than chance: not in equilibrium? (--discard)",
+                quantity));
+    return averages;
+}
+
+// --- verdicts --------------------------------------------------------------------------------------------
+
+namespace {
+
+// The bin that is furthest off, with the verdict on all.
+CodeComparison compare_curves(CurveEstimate const& curve, CurveEstimate const& reference, double resolution,
+                              double false_alarm) {
+    auto const width = [](CurveEstimate const& c) { return c.x.size() < 2 ? 0.0 : c.x[1] - c.x[0]; };
+    double const close = 1e-3 * width(reference);
+    double peak = 0.0;
+    for (auto const& y : reference.y) peak = std::max(peak, y.value);
+    std::vector<std::pair<std::size_t, std::size_t>> bins;
+    for (std::size_t a = 0; a < curve.x.size(); ++a)
+        for (std::size_t b = 0; b < reference.x.size(); ++b)
+            if (std::abs(curve.x[a] - reference.x[b]) < close) bins.emplace_back(a, b);
+    if (bins.empty() || std::abs(width(curve) - width(reference)) > close)
+        throw InputError(
+            fmt::format("radial_distribution: bins of width {:g} from {:g} on; allowed: those of the "
+                        "reference, width {:g}, "
+                        "from {:g} on",
+                        width(curve), curve.x.at(0), width(reference), reference.x.at(0)));
+    CodeComparison worst;
+    double furthest = -1.0;
+    Verdict verdict = Verdict::agrees;
+    for (auto const& [a, b] : bins) {
+        CodeComparison bin{.quantity = fmt::format("radial_distribution at {:.4g}", reference.x[b]),
+                           .value = curve.y[a],
+                           .reference = reference.y[b]};
+        bin.difference = difference(bin.value, bin.reference);
+        Estimate above_zero = bin.difference;  // so that the error counts against the peak
+        above_zero.value += peak;
+        Verdict const its = judge(above_zero, peak, 0.0, resolution, false_alarm / double(bins.size()));
+        if (its == Verdict::disagrees || (its == Verdict::undecided && verdict == Verdict::agrees))
+            verdict = its;
+        double const off = bin.difference.error > 0.0 ? std::abs(bin.z()) : 0.0;
+        if (off > furthest) {
+            furthest = off;
+            worst = bin;
+        }
+    }
+    worst.verdict = verdict;
+    return worst;
+}
+
+}  // namespace
+
+CodeReport compare(Averages const& averages, Reference const& reference, double resolution) {
+    CodeReport report;
+    for (auto const& [name, estimate] : averages.quantities) {
+        auto const* const known = find_quantity(reference.quantities, name);
+        if (known && known->estimate.blocks > 1)
+            report.comparisons.push_back({.quantity = name,
+                                          .value = estimate,
+                                          .reference = known->estimate,
+                                          .difference = difference(estimate, known->estimate)});
+        else
+            report.without_reference.push_back({name, estimate});
+    }
+    bool const curves = !averages.radial_distribution.x.empty() && !reference.radial_distribution.x.empty();
+    double const share =
+        family_false_alarm / double(std::max<std::size_t>(1, report.comparisons.size() + curves));
+    for (auto& c : report.comparisons) {
+        Estimate value = c.difference;
+        value.value = c.value.value;
+        c.verdict = judge(value, c.reference.value, 0.0, resolution, share);
+    }
+    if (curves)
+        report.comparisons.push_back(
+            compare_curves(averages.radial_distribution, reference.radial_distribution, resolution, share));
+    for (auto const& quantity : reference.quantities)
+        if (!find_quantity(averages.quantities, quantity.name)) report.not_measured.push_back(quantity.name);
+    if (!curves && !reference.radial_distribution.x.empty())
+        report.not_measured.emplace_back("radial_distribution");
+    return report;
+}
+
+bool print(CodeReport const& report, Averages const& averages, Reference const& reference, bool json) {
+    std::map<Verdict, std::size_t> count;
+    for (auto const& c : report.comparisons) ++count[c.verdict];
+    bool const agrees = count[Verdict::disagrees] == 0;
+    if (json) {
+        Json output{{"reference", reference.name}, {"false_alarm_rate", family_false_alarm}};
+        output["comparisons"] = Json::array();
+        for (auto const& c : report.comparisons)
+            output["comparisons"].push_back({{"quantity", c.quantity},
+                                             {"value", c.value.value},
+                                             {"error", c.value.error},
+                                             {"blocks", c.value.blocks},
+                                             {"reference", c.reference.value},
+                                             {"reference_error", c.reference.error},
+                                             {"combined_error", c.difference.error},
+                                             {"degrees_of_freedom", c.difference.blocks - 1},
+                                             {"z", c.z()},
+                                             {"verdict", name_of(c.verdict)}});
+        output["without_reference"] = Json::array();
+        for (auto const& [name, estimate] : report.without_reference)
+            output["without_reference"].push_back({{"quantity", name},
+                                                   {"value", estimate.value},
+                                                   {"error", estimate.error},
+                                                   {"blocks", estimate.blocks}});
+        output["not_measured"] = report.not_measured;
+        output["notes"] = averages.notes;
+        fmt::print("{}\n", output.dump(1));
+        return agrees;
+    }
+    fmt::print("{:<30} {:>12} {:>9} {:>12} {:>9} {:>9} {:>7}  {}\n", "quantity", "value", "error",
+               "reference", "error", "combined", "z", "verdict");
+    for (auto const& c : report.comparisons)
+        fmt::print("{:<30} {:>12.6g} {:>9.2g} {:>12.6g} {:>9.2g} {:>9.2g} {:>7.2f}  {}\n", c.quantity,
+                   c.value.value, c.value.error, c.reference.value, c.reference.error, c.difference.error,
+                   c.z(), name_of(c.verdict));
+    for (auto const& [name, estimate] : report.without_reference)
+        fmt::print("{:<30} {:>12.6g} {:>9.2g} {:>12} {:>9} {:>9} {:>7}  no reference\n", name, estimate.value,
+                   estimate.error, "", "", "", "");
+    fmt::print(
+        "{} comparisons with {}: {} agree, {} disagree, {} undecided; false-alarm rate of the whole table "
+        "{} %\n",
+        report.comparisons.size(), reference.name, count[Verdict::agrees], count[Verdict::disagrees],
+        count[Verdict::undecided], 100.0 * family_false_alarm);
+    if (!report.not_measured.empty()) fmt::print("not measured: {}\n", fmt::join(report.not_measured, ", "));
+    for (auto const& note : averages.notes) fmt::print("note: {}\n", note);
+    return agrees;
+}
+
+}  // namespace dpd

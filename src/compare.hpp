@@ -1,0 +1,108 @@
+/// @file
+/// Another code's output against a reference: reading, averaging, judging. docs/compare.md.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "run.hpp"
+#include "statistics.hpp"
+
+namespace dpd {
+
+/// What a code wrote: numbers with errors, or series of samples in the order of time, or g(r).
+struct CodeOutput {
+    std::string file;
+    std::vector<Quantity> values;
+    std::string axis;        ///< name of the column of times or steps; empty without one
+    std::vector<double> at;  ///< times or steps of the samples
+    std::vector<std::pair<std::string, std::vector<double>>> series;
+    std::vector<double> r;               ///< middle of the bins of g(r)
+    std::vector<std::vector<double>> g;  ///< samples of each bin
+    CurveEstimate curve{};               ///< or g(r) with errors
+    bool per_particle = true;            ///< whether a LAMMPS log's energies are
+    std::vector<std::string> notes;      ///< what was left out
+};
+
+/// Reads CSV, a LAMMPS log (the thermo table of its k-th run; 0: of the last), a file of LAMMPS' fix
+/// ave/time, H5MD, or a result of `dpdref run`, recognised by content. InputError names file and line.
+CodeOutput read_output(std::filesystem::path const& file, std::size_t run = 0);
+
+/// COLUMN=quantity[*factor]: `factor` times the column is the quantity.
+struct Renaming {
+    std::string column, quantity;
+    double factor = 1.0;
+};
+
+/// InputError for anything else.
+Renaming renaming_from_text(std::string const& text);
+
+/// Samples to leave out as equilibration: a share of each series, or those before a time or step.
+struct Discard {
+    double share = 0.0;         ///< 0 to 1
+    double before = -INFINITY;  ///< in the units of the file's own column
+};
+
+/// "20%", or a time or step. InputError for anything else.
+Discard discard_from_text(std::string const& text);
+
+/// Numbers to compare with.
+struct Reference {
+    std::string name;
+    std::vector<Quantity> quantities;
+    CurveEstimate radial_distribution{};
+    double shear_rate = 0.0;  ///< of the flow behind the viscosities, 1/time; 0 without
+    int components = 3;       ///< axes that a mean-square displacement sums
+};
+
+/// A state point of a file of reference answers (schema dpdref-answers/1).
+Reference answer_reference(std::filesystem::path const& answers, std::string const& id);
+
+/// A result of `dpdref run --out`.
+Reference run_reference(std::filesystem::path const& file);
+
+/// The averages of outputs, by dpdref's names where these are known.
+struct Averages {
+    std::vector<Quantity> quantities;
+    CurveEstimate radial_distribution{};
+    std::vector<std::string> notes;
+};
+
+/// Names the columns (as they are called; LAMMPS' names; `renamings`), discards, and averages: errors by
+/// blocking. In a shear flow stresses become viscosities; `lag` and `mean_square_displacement` become a
+/// diffusion constant, as `analyze` makes it. Notes say what was discarded and which halves of a series
+/// differ. InputError for a quantity that comes twice or a column that is not there.
+Averages average(std::vector<CodeOutput> const& outputs, Reference const& reference,
+                 std::vector<Renaming> const& renamings, Discard const& discard);
+
+/// A quantity of both.
+struct CodeComparison {
+    std::string quantity;
+    Estimate value, reference;
+    Estimate difference{};  ///< with the combined error
+    Verdict verdict = Verdict::undecided;
+    double z() const { return difference.value / difference.error; }
+};
+
+/// A family of comparisons; `family_false_alarm` is the chance that any of it disagrees although all are
+/// true.
+struct CodeReport {
+    std::vector<CodeComparison> comparisons;
+    std::vector<Quantity> without_reference;
+    std::vector<std::string> not_measured;  ///< the reference's other quantities
+};
+
+/// Compares all that both have, by Student's t with Welch's degrees of freedom and Bonferroni's share of the
+/// false alarms. g(r) is one member of the family: its share is divided among its bins, of which the one
+/// that is furthest off is reported. *agrees* asks for a combined error of at most `resolution` times the
+/// reference (of g(r): times its peak). InputError if g(r) has other bins.
+CodeReport compare(Averages const& averages, Reference const& reference, double resolution);
+
+/// Prints report and notes as a table or as JSON. True if nothing disagrees.
+bool print(CodeReport const& report, Averages const& averages, Reference const& reference, bool json);
+
+}  // namespace dpd

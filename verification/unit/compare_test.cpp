@@ -1,0 +1,492 @@
+/// @file
+/// Other codes' output: files as LAMMPS writes them, mistakes in files, names; and the verdicts' false alarms
+/// and power on made-up data of known truth. Seeds are fixed; a correct code fails a statistical check for
+/// about 6e-5 of all seeds (4 standard errors).
+#define BOOST_TEST_MODULE compare
+#include "compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include "errors.hpp"
+#include "figure.hpp"
+#include "storage.hpp"
+#include "toml_reader.hpp"
+
+using namespace dpd;
+
+namespace {
+
+std::filesystem::path const lammps = std::filesystem::path(DPDREF_TEST_DATA) / "lammps";
+
+struct Directory {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("dpdref_compare_" + std::to_string(std::random_device{}()));
+    Directory() { std::filesystem::create_directories(path); }
+    ~Directory() { std::filesystem::remove_all(path); }
+
+    std::filesystem::path write(std::string const& name, std::string const& text) const {
+        std::ofstream(path / name) << text;
+        return path / name;
+    }
+};
+
+std::string replaced(std::string text, std::string const& from, std::string const& to) {
+    auto const at = text.find(from);
+    BOOST_REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+std::vector<double> const& series_of(CodeOutput const& output, std::string const& name) {
+    for (auto const& [column, samples] : output.series)
+        if (column == name) return samples;
+    BOOST_FAIL("no column " + name);
+    throw 0;
+}
+
+Reference reference_of(std::vector<Quantity> quantities) {
+    Reference reference;
+    reference.name = "test";
+    reference.quantities = std::move(quantities);
+    return reference;
+}
+
+Estimate const& estimate_of(Averages const& averages, std::string const& name) {
+    auto const* const found = find_quantity(averages.quantities, name);
+    BOOST_REQUIRE_MESSAGE(found, "no " + name);
+    return found->estimate;
+}
+
+auto says(std::string const& part) {
+    return [part](InputError const& error) {
+        std::string const what = error.what();
+        bool const good = what.find(part) != std::string::npos && what.find('\n') == std::string::npos;
+        if (!good) BOOST_TEST_MESSAGE("says: " << what << "; lacks: " << part);
+        return good;
+    };
+}
+
+Reference const fluid = reference_of({{"kinetic_temperature", {1.0, 0.01, 20}},
+                                      {"pressure", {23.7, 0.05, 20}},
+                                      {"potential_energy", {4.55, 0.01, 20}}});
+
+}  // namespace
+
+// --- files -----------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(a_log_of_two_runs) {
+    auto const last = read_output(lammps / "log.lammps"), first = read_output(lammps / "log.lammps", 1);
+    BOOST_TEST(first.axis == "Step");
+    BOOST_TEST(first.at.size() == 11u);
+    BOOST_TEST(last.at.size() == 31u);
+    BOOST_TEST(last.at.front() == 100.0);
+    BOOST_TEST(last.series.size() == 5u);
+    BOOST_TEST(series_of(last, "Temp").back() == 0.98653062);
+    BOOST_TEST(series_of(last, "Press")[1] == 23.538293);
+    BOOST_TEST(series_of(first, "E_pair")[0] == 7.8756267);
+    BOOST_TEST(last.per_particle);
+    BOOST_TEST(last.notes.empty());
+    BOOST_CHECK_EXCEPTION(read_output(lammps / "log.lammps", 3), InputError, says("allowed: 1 to 2"));
+
+    auto const averages = average({last}, fluid, {}, {});
+    double sum = 0.0;
+    for (double const x : series_of(last, "Temp")) sum += x;
+    auto const& kT = estimate_of(averages, "kinetic_temperature");
+    // blocking leaves out a remainder that is shorter than a block
+    BOOST_TEST(std::abs(kT.value - sum / 31.0) < 0.02);
+    BOOST_TEST(kT.value == blocking(series_of(last, "Temp")).value);
+    BOOST_TEST(estimate_of(averages, "potential_energy").blocks > 2u);
+    BOOST_TEST(estimate_of(averages, "TotEng").value > 5.0);  // under its own name, without a reference
+}
+
+BOOST_AUTO_TEST_CASE(logs_of_other_versions_and_ends) {
+    Directory const directory;
+    std::string const log = read_file(lammps / "log.lammps");
+    auto const read = [&](std::string const& text) { return read_output(directory.write("log", text)); };
+    // before 2018 the line before the header was another
+    auto old = log;
+    for (int k = 0; k < 2; ++k)
+        old = replaced(old, "Per MPI rank memory allocation (min/avg/max)", "Memory usage per processor");
+    BOOST_TEST(series_of(read(old), "Temp").size() == 31u);
+    // messages within a table
+    auto const warned = read(
+        replaced(log, "     200   0.94", "WARNING: FENE bond too long (src/bond.cpp:80)\n\n     200   0.94"));
+    BOOST_TEST(series_of(warned, "Temp").size() == 31u);
+    // killed while it wrote: the last row may lack digits, even if it has all columns
+    for (std::string const end : {"     390   0.97133226    4.5642981            0    6.0174112    24.2",
+                                  "     390   0.97133226    4.56", "     39"}) {
+        auto const cut = read(log.substr(0, log.find("     390 ")) + end);
+        BOOST_TEST(series_of(cut, "Temp").size() == 29u);
+        BOOST_TEST(cut.notes.size() == 1u);
+    }
+    auto const broken =
+        read(log.substr(0, log.find("     390 ")) + "ERROR: Lost atoms: original 375 current 374\n");
+    BOOST_TEST(broken.notes.at(0).find("Lost atoms") != std::string::npos);
+    // energies of the whole system are not taken for those of a particle
+    for (auto const& [from, to] :
+         {std::pair{"thermo 10", "thermo_modify norm no"}, {"units lj", "units real"}}) {
+        auto const averages = average({read(replaced(log, from, to))}, fluid, {}, {});
+        BOOST_TEST(!find_quantity(averages.quantities, "potential_energy"));
+        BOOST_TEST(estimate_of(averages, "E_pair").value > 4.0);
+        BOOST_TEST(find_quantity(averages.quantities, "kinetic_temperature"));
+    }
+    BOOST_TEST(read(replaced(log, "units lj", "units real\nthermo_modify norm yes")).per_particle);
+}
+
+BOOST_AUTO_TEST_CASE(files_of_fix_ave_time) {
+    auto const scalars = read_output(lammps / "scalars.dat");
+    BOOST_TEST(scalars.axis == "TimeStep");
+    BOOST_TEST(scalars.at.size() == 41u);
+    BOOST_TEST(series_of(scalars, "c_thermo_press")[1] == 28.1499);
+    auto const averages = average({scalars}, fluid, {}, discard_from_text("100"));
+    BOOST_TEST(estimate_of(averages, "kinetic_temperature").value < 1.1);
+    BOOST_TEST(averages.notes.at(0).find("first 10 of 41 samples") != std::string::npos);
+
+    auto const g = read_output(lammps / "rdf.dat");
+    BOOST_TEST(g.r.size() == 10u);
+    BOOST_TEST(g.r[3] == 0.35);
+    BOOST_TEST(g.g[0].size() == 4u);
+    BOOST_TEST(g.at == (std::vector<double>{100, 200, 300, 400}), boost::test_tools::per_element());
+    auto const curve = average({g}, fluid, {}, discard_from_text("50%")).radial_distribution;
+    BOOST_TEST(curve.y[7].blocks == 2u);
+    BOOST_TEST(curve.y[7].value == 0.5 * (g.g[7][2] + g.g[7][3]), boost::test_tools::tolerance(1e-12));
+
+    Directory const directory;
+    std::string const text = read_file(lammps / "rdf.dat");
+    auto const cut = read_output(directory.write("cut", text.substr(0, text.size() - 60)));
+    BOOST_TEST(cut.g[0].size() == 3u);
+    BOOST_TEST(cut.notes.size() == 1u);
+}
+
+BOOST_AUTO_TEST_CASE(comma_separated_values) {
+    Directory const directory;
+    auto const values = read_output(directory.write(
+        "v",
+        "# of a code\nquantity,value,error,blocks\n\"pressure\", 23.5 ,0.1,12\r\nviscosity,+1e0,2e-3,4\n"));
+    BOOST_TEST(values.values.size() == 2u);
+    BOOST_TEST(values.values[0].name == "pressure");
+    BOOST_TEST(values.values[0].estimate.blocks == 12u);
+    BOOST_TEST(values.values[1].estimate.value == 1.0);
+    auto const samples = read_output(directory.write("s", "time,T,p\n0,1.1,23\n0.5,1.0,24\n1.0,0.9,25"));
+    BOOST_TEST(samples.axis == "time");
+    BOOST_TEST(series_of(samples, "p").back() == 25.0);  // an editor may leave out the last line's end
+    auto const renamed = average({samples}, fluid,
+                                 {renaming_from_text("T=kinetic_temperature*2"), {"p", "pressure", 1.0}}, {});
+    BOOST_TEST(estimate_of(renamed, "kinetic_temperature").value == 2.0);
+    auto const curve =
+        read_output(directory.write("c", "r,radial_distribution,error\n0.1,0.2,0.01\n0.3,0.4,0.01\n"));
+    BOOST_TEST(curve.curve.x[1] == 0.3);
+    BOOST_TEST(curve.curve.y[1].value == 0.4);
+}
+
+BOOST_AUTO_TEST_CASE(h5md_of_others_and_of_dpdref) {
+    Directory const directory;
+    auto const path = directory.path / "other.h5";
+    {
+        Archive archive(path, Archive::Mode::write);
+        std::vector<double> temperature{1.0, 1.2, 0.8, 1.0};
+        Eigen::Array<double, Eigen::Dynamic, 2> flux = Eigen::Array<double, Eigen::Dynamic, 2>::Zero(4, 2);
+        archive("observables/kinetic_temperature/value", temperature);
+        archive("observables/flux/value", flux);
+        archive.commit();
+    }
+    auto const other = read_output(path);
+    BOOST_TEST(other.series.size() == 1u);
+    BOOST_TEST(series_of(other, "kinetic_temperature")[1] == 1.2);
+    BOOST_CHECK_EXCEPTION(run_reference(path), InputError, says("finished result"));
+
+    auto const text =
+        "dimension = 3\nstages = ['shardlow', 'sample', 'drift']\nbox.length = [3.0, 3.0, 3.0]\n"
+        "particles.density = 3.0\nshardlow.friction = 4.5\ntime = { step = 0.05, duration = 20.0 }\n"
+        "[sample]\nobservables = ['kinetic_temperature']\n"
+        "[sample.radial_distribution]\nrange = 1.0\nbins = 5\n";
+    for (std::uint64_t const seed : {1u, 2u})
+        run(parse_scene(text, "test", {}, seed),
+            {.output = directory.path / fmt::format("{}.h5", seed), .progress = {}});
+    auto const reference = run_reference(directory.path / "1.h5");
+    auto const averages = average({read_output(directory.path / "2.h5")}, reference, {}, {});
+    auto const report = compare(averages, reference, INFINITY);
+    BOOST_TEST(report.comparisons.size() >= 3u);
+    bool curve = false;
+    for (auto const& c : report.comparisons) {
+        BOOST_TEST(name_of(c.verdict) == "agrees", c.quantity);
+        BOOST_TEST(c.z() != 0.0);  // other noise
+        curve = curve || c.quantity.starts_with("radial_distribution at ");
+    }
+    BOOST_TEST(curve);
+    BOOST_TEST(report.not_measured.empty());
+}
+
+BOOST_AUTO_TEST_CASE(mistakes_in_files_are_named_with_their_line) {
+    Directory const directory;
+    std::string const log = read_file(lammps / "log.lammps"), rdf = read_file(lammps / "rdf.dat"),
+                      scalars = read_file(lammps / "scalars.dat");
+    std::size_t const line_of_row =
+        1 +
+        std::size_t(std::count(log.begin(), log.begin() + std::ptrdiff_t(log.find("     200   0.9")), '\n'));
+    auto const in_row = [&](std::string const& what) { return fmt::format("f:{}: {}", line_of_row, what); };
+    std::vector<std::pair<std::string, std::string>> const cases{
+        {"", "holds no samples"},
+        {"no comma\n", "holds no samples"},
+        {"1,2\n3,4\n", "f:1: no header"},
+        {"a,b\n1,2\n3\n", "f:3: 1 columns; allowed: 2"},
+        {"a,b\n1,2\n3,x\n", "f:3: x is not allowed; allowed: a number"},
+        {"a,b\n1,nan\n", "f:2: nan is not allowed"},
+        {"quantity,value,error,runs\nx,1,1,1\n", "f:1: allowed: quantity,value,error[,blocks]"},
+        {"quantity,value,error\npressure,1,-1\n", "f:2: error is negative"},
+        {"quantity,value,error,blocks\npressure,1,1,1\n", "f:2: blocks: allowed: an integer, 2"},
+        {"quantity,value,error\npressure,1\n", "f:2: 2 columns; allowed: 3"},
+        {replaced(log, "0.94730901", "0.9473x"), in_row("0.9473x is not allowed")},
+        {replaced(log, "0.94730901", "-nan"), in_row("-nan is not allowed")},
+        {replaced(log, "0.94730901", ""), in_row("5 columns; allowed: 6")},
+        {"LAMMPS (29 Sep 2021)\nunits lj\n", "allowed: 1 to 0"},
+        {"Per MPI rank memory allocation (min/avg/max) = 1\n------------ Step 0 ----- CPU = 0\n",
+         "f:2: no header"},
+        {"Per MPI rank memory allocation (min/avg/max) = 1\nStep Temp\nLoop time of 1\n", "holds no samples"},
+        {"# one line\n1 2\n", "f:2: 1 lines of header"},
+        {replaced(scalars, "2.38389 ", ""), "f:4: 2 columns; allowed: 3"},
+        {replaced(rdf, "100 10", "100 ten"), "f:4: ten is not allowed"},
+        {replaced(rdf, "100 10", "100"), "f:4: no head of a block"},
+        {replaced(rdf, "100 10", "100 9"), "f:14: no head of a block"},
+        {replaced(rdf, "2 0.15 ", "2 0.16 "), "f:15: other bins"},
+        {"\x89HDF\r\n", "f: cannot open"}};
+    for (auto const& [text, complaint] : cases) BOOST_TEST_CONTEXT(complaint) {
+            auto const file = directory.write("f", text);
+            BOOST_CHECK_EXCEPTION(read_output(file), InputError, says(complaint));
+        }
+    BOOST_CHECK_EXCEPTION(read_output(directory.path / "none"), InputError, says("none"));
+}
+
+BOOST_AUTO_TEST_CASE(mistakes_in_options_are_refused) {
+    for (auto const* text : {"", "a", "a=", "=b", "a=b*", "a=b*x", "a=b*0", "a=b*inf"})
+        BOOST_CHECK_EXCEPTION(renaming_from_text(text), InputError, says("allowed: COLUMN=quantity"));
+    BOOST_TEST(renaming_from_text("c_g[2]=g*-0.5").factor == -0.5);
+    BOOST_TEST(renaming_from_text("c_g[2]=g*-0.5").quantity == "g");
+    for (auto const* text : {"", "x", "100%", "-1%", "1e", "nan"})
+        BOOST_CHECK_EXCEPTION(discard_from_text(text), InputError, says("--discard"));
+    auto const log = read_output(lammps / "log.lammps");
+    BOOST_CHECK_EXCEPTION(average({log}, fluid, {{"Tmp", "kinetic_temperature", 1.0}}, {}), InputError,
+                          says("no column Tmp; allowed: E_mol, E_pair, Press"));
+    BOOST_CHECK_EXCEPTION(average({log, log}, fluid, {}, {}), InputError, says("kinetic_temperature: is in"));
+    BOOST_CHECK_EXCEPTION(average({log}, fluid, {}, discard_from_text("1e9")), InputError,
+                          says("leaves nothing"));
+    CodeOutput no_axis;
+    no_axis.series.emplace_back("pressure", std::vector<double>{1.0, 2.0});
+    BOOST_CHECK_EXCEPTION(average({no_axis}, fluid, {}, discard_from_text("5")), InputError,
+                          says("no column of times"));
+}
+
+// --- names -----------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(columns_become_quantities) {
+    CodeOutput output;
+    for (auto const* name : {"E_pair", "PotEng", "v_pressure", "stress_xy", "c_other", "kinetic_stress"})
+        output.series.emplace_back(name, std::vector<double>{1.0, 2.0, 3.0, 4.0});
+    auto const at_rest = average({output}, fluid, {}, {});
+    for (auto const* name :
+         {"potential_energy", "PotEng", "pressure", "stress_xy", "c_other", "kinetic_stress"})
+        BOOST_TEST(estimate_of(at_rest, name).value == 2.5);
+    auto sheared = fluid;
+    sheared.shear_rate = 0.1;
+    auto const flow = average({output}, sheared, {{"c_other", "potential_stress", -2.0}}, {});
+    BOOST_TEST(estimate_of(flow, "viscosity").value == 25.0);
+    BOOST_TEST(estimate_of(flow, "kinetic_viscosity").value == 25.0);
+    BOOST_TEST(estimate_of(flow, "potential_viscosity").value == -50.0);
+}
+
+// Displacements that grow at 2 d D; origins of four lags each, the last cut short.
+BOOST_AUTO_TEST_CASE(displacements_become_a_diffusion_constant) {
+    CodeOutput output;
+    std::vector<double> lag, squares;
+    for (int k = 0; k < 4 * 10 + 3; ++k) {
+        lag.push_back(0.5 * (k % 4 + 1));
+        squares.push_back(7.0 + 2.0 * 3.0 * 0.4 * lag.back());
+    }
+    squares[0] = 1e6;  // the first half of the lags does not count
+    output.series = {{"lag", lag}, {"mean_square_displacement", squares}};
+    auto const averages = average({output}, fluid, {}, {});
+    auto const& d = estimate_of(averages, "diffusion_constant");
+    BOOST_TEST(d.value == 0.4, boost::test_tools::tolerance(1e-9));
+    BOOST_TEST(d.blocks > 4u);
+    BOOST_TEST(averages.quantities.size() == 1u);
+}
+
+BOOST_AUTO_TEST_CASE(a_file_of_reference_answers) {
+    Directory const directory;
+    std::string const scene =
+        "dimension = 2\\nstages = ['shardlow', 'sample', 'drift']\\nbox.length = [6.0, 6.0]\\n"
+        "particles.density = 2.0\\nshardlow.friction = 3.0\\ntime = { step = 0.1, duration = 10.0 }\\n"
+        "sample.observables = ['kinetic_temperature', 'stress']\\n";
+    std::string const text =
+        "{\"schema\": \"dpdref-answers/1\", \"engine_revision\": 1, \"states\": [{\"id\": \"gas\", "
+        "\"title\": \"\", "
+        "\"scenes\": {\"rest\": \"" +
+        scene + "\", \"shear\": \"" + scene +
+        "box.shear_rate = 0.25\"}, \"quantities\": {\"viscosity\": {\"value\": 1.5, \"error\": 0.01, "
+        "\"blocks\": 30}, "
+        "\"largest_momentum\": {\"value\": 0, \"error\": null, \"blocks\": 1}}, "
+        "\"curves\": {\"radial_distribution\": {\"x\": [0.1, 0.3], \"value\": [1, 1.1], \"error\": [0.1, "
+        "0.1]}}}]}";
+    auto const reference = answer_reference(directory.write("a.json", text), "gas");
+    BOOST_TEST(reference.shear_rate == 0.25);
+    BOOST_TEST(reference.components == 2);
+    BOOST_TEST(find_quantity(reference.quantities, "viscosity")->estimate.blocks == 30u);
+    BOOST_TEST(reference.radial_distribution.y[1].value == 1.1);
+    BOOST_CHECK_EXCEPTION(answer_reference(directory.path / "a.json", "ga"), InputError,
+                          says("ga is unknown; allowed: gas"));
+    for (auto const& [from, to, complaint] :
+         std::vector<std::array<std::string, 3>>{{"answers/1", "answers/2", "allowed: dpdref-answers/1"},
+                                                 {"\"blocks\"", "\"blocs\"", "blocks"},
+                                                 {"{", "", "a.json: "}})
+        BOOST_CHECK_EXCEPTION(answer_reference(directory.write("a.json", replaced(text, from, to)), "gas"),
+                              InputError, says(complaint));
+}
+
+// --- verdicts --------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(degrees_of_freedom_of_a_difference) {
+    auto const equal = difference({3.0, 0.3, 10}, {1.0, 0.3, 10});
+    BOOST_TEST(equal.value == 2.0);
+    BOOST_TEST(equal.error == 0.3 * std::sqrt(2.0), boost::test_tools::tolerance(1e-12));
+    BOOST_TEST(std::abs(double(equal.blocks) - 19.0) <= 1.0);  // 2 (10-1) + 1, rounded down
+    BOOST_TEST(difference({3.0, 0.3, 10}, {1.0, 0.0, 1}).blocks == 10u);
+    BOOST_TEST(difference({3.0, 0.3, 10}, {1.0, 1e-9, 3}).blocks == 10u);
+    // (0.04+0.01)^2/(0.0016/4 + 0.0001/19) = 6.168
+    BOOST_TEST(difference({0.0, 0.2, 5}, {0.0, 0.1, 20}).blocks == 7u);
+    BOOST_TEST(difference({1.0, 0.0, 5}, {1.0, 0.0, 9}).blocks == 5u);
+}
+
+namespace {
+
+// Correlated normal noise around a mean, as in statistics_test: x' = phi x + sqrt(1-phi^2) xi.
+std::vector<double> noise(std::mt19937_64& generator, double mean, double phi, std::size_t n) {
+    std::normal_distribution<double> normal;
+    std::vector<double> series(n);
+    double x = normal(generator);
+    for (double& value : series) {
+        value = mean + x;
+        x = phi * x + std::sqrt(1.0 - phi * phi) * normal(generator);
+    }
+    return series;
+}
+
+// In how many of 2000 families of six true comparisons one disagrees.
+int false_alarms(unsigned seed, std::function<Estimate(std::mt19937_64&, std::size_t)> const& measure) {
+    std::mt19937_64 generator(seed);
+    int alarms = 0;
+    for (int family = 0; family < 2000; ++family) {
+        Averages averages;
+        Reference reference;
+        for (std::size_t k = 0; k < 6; ++k) {
+            averages.quantities.push_back({std::to_string(k), measure(generator, 6 + 3 * k)});
+            reference.quantities.push_back({std::to_string(k), measure(generator, 20)});
+        }
+        auto const report = compare(averages, reference, INFINITY);
+        BOOST_REQUIRE(report.comparisons.size() == 6u);
+        alarms += std::any_of(report.comparisons.begin(), report.comparisons.end(),
+                              [](auto const& c) { return c.verdict == Verdict::disagrees; });
+    }
+    return alarms;
+}
+
+}  // namespace
+
+// At the stated rate of 1 %: 20 of 2000 families, +- 4.4. Few blocks on one side, six and more, twenty on the
+// other.
+BOOST_AUTO_TEST_CASE(false_alarms_come_at_the_stated_rate) {
+    double const expected = 2000.0 * family_false_alarm;
+    int const of_means = false_alarms(
+        1, [](auto& generator, std::size_t n) { return independent(noise(generator, 5.0, 0.0, n)); });
+    BOOST_TEST_MESSAGE("false alarms of independent values: " << of_means << " of 2000");
+    BOOST_TEST(std::abs(of_means - expected) < 4.0 * std::sqrt(expected));
+    // series: the error is found by blocking. Samples per correlation time (19 per independent one): 16 n.
+    int const of_series = false_alarms(
+        2, [](auto& generator, std::size_t n) { return blocking(noise(generator, 5.0, 0.9, 300 * n)); });
+    BOOST_TEST_MESSAGE("false alarms of correlated series: " << of_series << " of 2000");
+    BOOST_TEST(of_series < 3.0 * expected);
+}
+
+BOOST_AUTO_TEST_CASE(a_shift_is_found_and_a_wide_error_is_undecided) {
+    Reference const reference =
+        reference_of({{"pressure", {23.7, 0.003, 64}}, {"viscosity", {1.0, 0.001, 64}}});
+    auto const verdict = [&](double value, double error) {
+        Averages averages;
+        averages.quantities = {{"pressure", {value, error, 64}}};
+        return name_of(compare(averages, reference, 0.001).comparisons.at(0).verdict);
+    };
+    BOOST_TEST(verdict(23.7, 0.004) == "agrees");
+    BOOST_TEST(verdict(23.7 + 5.0 * 0.005, 0.004) == "disagrees");  // five combined errors
+    BOOST_TEST(verdict(23.7 - 5.0 * 0.005, 0.004) == "disagrees");
+    BOOST_TEST(verdict(23.7, 0.04) == "undecided");  // within the error, which is above 0.1 %
+    BOOST_TEST(verdict(23.7, NAN) == "undecided");
+
+    Averages averages;
+    averages.quantities = {{"pressure", {23.7, 0.004, 64}}, {"colour", {1.0, 0.1, 8}}};
+    auto const report = compare(averages, reference, 0.001);
+    BOOST_TEST(report.without_reference.at(0).name == "colour");
+    BOOST_TEST(report.not_measured.at(0) == "viscosity");
+}
+
+// 100 bins are one member of the family. A shift of one bin by 6 errors is found, and named.
+BOOST_AUTO_TEST_CASE(a_radial_distribution_is_judged_by_its_bins) {
+    std::mt19937_64 generator(3);
+    auto const curve = [&](double phi) {
+        CurveEstimate result;
+        for (int bin = 0; bin < 100; ++bin) {
+            double const r = 0.02 * (bin + 0.5), g = r < 0.2 ? 0.0 : 1.0 + 0.1 * std::sin(6.0 * r);
+            auto values = noise(generator, 0.0, phi, 16);
+            for (double& value : values) value = g + (g > 0.0 ? 0.01 * value : 0.0);
+            result.x.push_back(r);
+            result.y.push_back(independent(values));
+        }
+        return result;
+    };
+    int alarms = 0;
+    for (int k = 0; k < 1000; ++k) {
+        Averages averages;
+        Reference reference;
+        averages.radial_distribution = curve(0.0);
+        reference.radial_distribution = curve(0.0);
+        auto const report = compare(averages, reference, 0.01);
+        alarms += report.comparisons.at(0).verdict == Verdict::disagrees;
+        if (k > 0) continue;
+        BOOST_TEST(name_of(report.comparisons[0].verdict) == "agrees");
+        averages.radial_distribution.y[40].value =
+            reference.radial_distribution.y[40].value +
+            6.0 * difference(averages.radial_distribution.y[40], reference.radial_distribution.y[40]).error;
+        auto const shifted = compare(averages, reference, 0.01).comparisons.at(0);
+        BOOST_TEST(name_of(shifted.verdict) == "disagrees");
+        BOOST_TEST(shifted.quantity == "radial_distribution at 0.81");
+        BOOST_TEST(name_of(compare(averages, reference, 1e-4).comparisons.at(0).verdict) == "disagrees");
+        averages.radial_distribution = reference.radial_distribution;
+        BOOST_TEST(name_of(compare(averages, reference, 1e-4).comparisons.at(0).verdict) == "undecided");
+        for (double& r : averages.radial_distribution.x) r *= 1.1;
+        BOOST_CHECK_EXCEPTION(compare(averages, reference, 0.01), InputError, says("bins of width 0.022"));
+    }
+    BOOST_TEST_MESSAGE("false alarms of g(r): " << alarms << " of 1000");
+    BOOST_TEST(std::abs(alarms - 1000.0 * family_false_alarm) < 4.0 * std::sqrt(1000.0 * family_false_alarm));
+}
+
+BOOST_AUTO_TEST_CASE(a_drift_is_noted) {
+    std::mt19937_64 generator(4);
+    int noted = 0;
+    for (int k = 0; k < 1000; ++k) {
+        CodeOutput steady;
+        steady.series.emplace_back("pressure", noise(generator, 5.0, 0.5, 400));
+        noted += average({steady}, fluid, {}, {}).notes.size() > 1;
+    }
+    BOOST_TEST_MESSAGE("drifts noted in steady series: " << noted << " of 1000");
+    BOOST_TEST(noted < 3.0 * 1000.0 * family_false_alarm);
+    CodeOutput drifting;
+    drifting.series.emplace_back("pressure", noise(generator, 5.0, 0.5, 400));
+    for (std::size_t k = 0; k < 200; ++k) drifting.series[0].second[k] += 2.0;
+    BOOST_TEST(average({drifting}, fluid, {}, {}).notes.at(1).find("pressure: its first and second half") ==
+               0u);
+}
