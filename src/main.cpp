@@ -1,5 +1,4 @@
-// The command line: `dpdref theory | convert | run | figure | stability | work-precision | report`. Exit
-// The command line: `dpdref theory | run | figure | stability | work-precision | compare | report`. Exit
+// The command line: theory, run and what measures or judges; `dpdref --help` lists it. Exit
 // codes: 0 done, 1 a verdict is "disagrees", 2 bad input, 3 the simulation diverged, 130 interrupted (run
 // again to resume).
 
@@ -15,8 +14,8 @@
 #include <thread>
 
 #include "answers.hpp"
-#include "conventions.hpp"
 #include "compare.hpp"
+#include "conventions.hpp"
 #include "errors.hpp"
 #include "exact_answers.hpp"
 #include "figure.hpp"
@@ -297,11 +296,12 @@ int dispatch(int argc, char** argv) {
     }
 
     std::vector<std::string> query;
-    std::string answers_file;
+    std::string answers_file =
+        (data_directory() / "figures/answers/answers.json").lexically_normal().string();
     std::optional<std::string> scene_of;
     auto* const answer = app.add_subcommand("answer", "reference values of the nearest state point");
     answer->add_option("query", query, "id of a state point, or key=value ...; nothing lists them");
-    answer->add_option("--answers", answers_file, "file (default figures/answers/answers.json)");
+    answer->add_option("--answers", answers_file, "file of the reference answers");
     answer->add_option("--scene", scene_of, "print the scene of a run: rest, shear, below or above");
     answer->add_flag("--json", json, "print JSON");
     auto* const exact = app.add_subcommand("exact", "single steps of a few particles with given noise");
@@ -309,15 +309,13 @@ int dispatch(int argc, char** argv) {
     exact->add_option("--verification", verification, "directory of the definitions");
     std::vector<std::string> outputs, renamings;
     std::optional<std::string> state_point, reference, discard;
-    std::string answers =
-        (std::filesystem::path(verification) / "../figures/answers/answers.json").lexically_normal().string();
     std::size_t table = 0;
     double resolution = 0.01;
     auto* const compare = app.add_subcommand("compare", "judge another code's output against a reference");
     compare->add_option("files", outputs, "CSV, LAMMPS log or fix ave/time file, H5MD, result of dpdref run")
         ->required();
     auto* const of_answer = compare->add_option("--answer", state_point, "id of a reference answer");
-    compare->add_option("--answers", answers, "file of the reference answers");
+    compare->add_option("--answers", answers_file, "file of the reference answers");
     compare->add_option("--reference", reference, "result of dpdref run --out")->excludes(of_answer);
     compare->add_option("--as", renamings, "COLUMN=quantity[*factor]")->allow_extra_args(false);
     compare->add_option("--discard", discard, "equilibration: a time or step of the file, or a share as 20%");
@@ -390,7 +388,6 @@ int dispatch(int argc, char** argv) {
         auto answers = dpd::load_answers(std::filesystem::path(verification) / "answers", budget);
         dpd::measure_answers(answers, budget, campaign_options("answers"));
     } else if (answer->parsed()) {
-        if (answers_file.empty()) answers_file = (data_directory() / "figures/answers/answers.json").string();
         std::string const answers = dpd::read_file(answers_file);
         fmt::print("{}", scene_of ? dpd::answer_scene(answers, query, *scene_of)
                          : json   ? dpd::answer_json(answers, query)
@@ -407,7 +404,7 @@ int dispatch(int argc, char** argv) {
         if (!state_point && !reference)
             throw dpd::InputError("compare: no reference; allowed: --answer ID, --reference FILE.h5");
         auto const against =
-            state_point ? dpd::answer_reference(answers, *state_point) : dpd::run_reference(*reference);
+            state_point ? dpd::answer_reference(answers_file, *state_point) : dpd::run_reference(*reference);
         std::vector<dpd::CodeOutput> files;
         for (auto const& file : outputs) files.push_back(dpd::read_output(file, table));
         std::vector<dpd::Renaming> names;
