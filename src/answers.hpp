@@ -13,6 +13,8 @@
 
 namespace dpd {
 
+struct Code;
+
 /// A state point: an integrator, a fluid, a step.
 struct StatePoint {
     std::string id, title, integrator;
@@ -38,7 +40,8 @@ void measure_answers(Answers& answers, std::string const& budget, CampaignOption
 /// the nearest state point, by the root of the summed squares of ln(ratio) of the numbers that are given
 /// (differences where one is zero); texts must be equal. Closed forms are evaluated for the parameters of the
 /// query. InputError names what is allowed.
-std::string answer_text(std::string const& answers, std::vector<std::string> const& query);
+std::string answer_text(std::string const& answers, std::vector<std::string> const& query,
+                        Code const* code = nullptr);
 
 /// The state point's own part of the file.
 std::string answer_json(std::string const& answers, std::vector<std::string> const& query);

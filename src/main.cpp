@@ -303,6 +303,10 @@ int dispatch(int argc, char** argv) {
     answer->add_option("query", query, "id of a state point, or key=value ...; nothing lists them");
     answer->add_option("--answers", answers_file, "file of the reference answers");
     answer->add_option("--scene", scene_of, "print the scene of a run: rest, shear, below or above");
+    answer
+        ->add_option("--of", from,
+                     "code whose parameters the query has, see dpdref convert; values in its units")
+        ->excludes("--scene");
     answer->add_flag("--json", json, "print JSON");
     auto* const exact = app.add_subcommand("exact", "single steps of a few particles with given noise");
     exact->add_flag("--json", json, "print all numbers, as JSON");
@@ -389,9 +393,10 @@ int dispatch(int argc, char** argv) {
         dpd::measure_answers(answers, budget, campaign_options("answers"));
     } else if (answer->parsed()) {
         std::string const answers = dpd::read_file(answers_file);
-        fmt::print("{}", scene_of ? dpd::answer_scene(answers, query, *scene_of)
-                         : json   ? dpd::answer_json(answers, query)
-                                  : dpd::answer_text(answers, query));
+        fmt::print("{}",
+                   scene_of ? dpd::answer_scene(answers, query, *scene_of)
+                   : json   ? dpd::answer_json(answers, query)
+                          : dpd::answer_text(answers, query, from.empty() ? nullptr : &dpd::find_code(from)));
     } else if (exact->parsed()) {
         auto const answers =
             dpd::exact_answers(std::filesystem::path(verification) / "answers" / "exact.toml");

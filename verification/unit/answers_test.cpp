@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "conventions.hpp"
 #include "integrators.hpp"
 #include "theory/closed_forms.hpp"
 
@@ -280,6 +281,24 @@ BOOST_AUTO_TEST_CASE(nearest_state_point) {
     BOOST_TEST(answer_scene(file, {"fine"}, "rest") == "title = \"fine\"\ndimension = 3\n");
     BOOST_TEST(Json::parse(answer_json(file, {"other"}))["parameters"]["weight"].get<std::string>() ==
                "quadratic");
+}
+
+// A query in the parameters of another code, with units of length 2, mass 8, kT 0.5: its unit of time is 8.
+BOOST_AUTO_TEST_CASE(answers_in_the_units_of_another_code) {
+    std::string const file = small_file();
+    // gamma* = 9 is 9 mass/time = 9; dt* = 0.1 is 0.8; n* = 3 is 3/8
+    std::string const text =
+        answer_text(file, {"n=0.375", "T=0.5", "gamma=9", "cutoff=2", "mass=8", "timestep=0.8"},
+                    &find_code("lammps-dpd"));
+    BOOST_TEST_INFO(text);
+    BOOST_TEST(starts_with(text, "other: "));  // the one with the quadratic weight
+    BOOST_TEST(text.find("lammps-dpd: n=0.375 T=0.5 A=0 gamma=9 cutoff=2 mass=8 timestep=0.8\n") !=
+               std::string::npos);
+    BOOST_TEST(text.find("asked for") == std::string::npos);
+    // viscosity: mass/(length time) = 0.5
+    BOOST_TEST(text.find("kinetic_viscosity                         0.2 +- 0.005") != std::string::npos);
+    BOOST_TEST(text.find("ng8 = 0.195") != std::string::npos);
+    BOOST_CHECK_THROW(answer_text(file, {"weight=linear"}, &find_code("lammps-dpd")), InputError);
 }
 
 BOOST_AUTO_TEST_CASE(mistakes_are_refused) {
