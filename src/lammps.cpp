@@ -349,14 +349,15 @@ std::string particle_data(Scene const& scene) {
 std::string readme(Scene const& scene) {
     auto const missing = not_measured(scene);
     return fmt::format(
-        "A scene of dpdref {} for LAMMPS: the same particles, forces and measurements.\n\n"
-        "  lmp -in in.dpdref                                          (or: mpirun lmp -in in.dpdref)\n"
+        "A scene of dpdref {} for LAMMPS: the same particles, forces and measurements. In this directory:\n\n"
+        "  lmp -in in.dpdref\n"
         "  dpdref run scene.toml --seed {} --out reference.h5\n"
-        "  dpdref compare scalars.dat --reference reference.h5\n\n"
-        "LAMMPS needs the package{}. All quantities are in the scene's units (LAMMPS: lj). Columns that "
-        "begin\n"
-        "with lammps_ are LAMMPS's own definitions, which differ: see docs/lammps.md.\n{}",
-        version, scene.seed,
+        "  dpdref compare scalars.dat{}{} --reference reference.h5\n\n"
+        "LAMMPS needs the package{}. All quantities are in the scene's units\n"
+        "(LAMMPS: lj). Columns that begin with lammps_ are LAMMPS's own definitions, which differ: "
+        "docs/lammps.md.\n{}",
+        version, scene.seed, scene.sample.mean_square_displacement ? " msd.dat" : "",
+        scene.sample.radial_distribution ? " rdf.dat" : "",
         scene.has_stage("shardlow") ? "s DPD-BASIC and DPD-REACT"
                                     : " DPD-BASIC (not for Lennard-Jones alone)",
         missing.empty() ? "" : fmt::format("Not measured by the deck: {}.\n", fmt::join(missing, ", ")));

@@ -160,6 +160,16 @@ for seed in -1 18446744073709551616 1x; do
     expect 2 "--seed: $seed" -- run scene.toml --seed="$seed"
 done
 
+# --- export ---------------------------------------------------------------------------------------------
+expect 2 -- export
+expect 2 -- export lammps scene.toml
+expect 2 "export lammps: shardlow.weight: " allowed quadratic -- export lammps scene.toml --out deck
+[ ! -e deck ] || fail "export: a refused scene left a directory"
+observables='sample={ observables = ["kinetic_temperature"] }'
+expect 0 -- export lammps scene.toml --set shardlow.weight=quadratic --set "$observables" --out deck
+grep -q '^pair_style dpd/fdt 1 1 1$' deck/in.dpdref || fail "export: the deck is $(cat deck/in.dpdref)"
+expect 2 ".: holds " -- export lammps scene.toml --set shardlow.weight=quadratic --set "$observables" --out .
+
 # --- run: divergence ------------------------------------------------------------------------------------
 cat >unstable.toml <<'TOML'
 dimension = 2
