@@ -360,7 +360,10 @@ std::string readme(Scene const& scene) {
         scene.sample.radial_distribution ? " rdf.dat" : "",
         scene.has_stage("shardlow") ? "s DPD-BASIC and DPD-REACT"
                                     : " DPD-BASIC (not for Lennard-Jones alone)",
-        missing.empty() ? "" : fmt::format("Not measured by the deck: {}.\n", fmt::join(missing, ", ")));
+        missing.empty() ? "" : fmt::format("Not measured by the deck: {}.\n", fmt::join(missing, ", ")),
+        scene.shear_rate == 0.0
+            ? ""
+            : "LAMMPS (29 Sep 2021) heats whenever it flips the sheared box: docs/lammps.md.\n");
 }
 
 }  // namespace
