@@ -355,7 +355,7 @@ std::string readme(Scene const& scene) {
         "  dpdref compare scalars.dat{}{} --reference reference.h5\n\n"
         "LAMMPS needs the package{}. All quantities are in the scene's units\n"
         "(LAMMPS: lj). Columns that begin with lammps_ are LAMMPS's own definitions, which differ: "
-        "docs/lammps.md.\n{}",
+        "docs/lammps.md.\n{}{}",
         version, scene.seed, scene.sample.mean_square_displacement ? " msd.dat" : "",
         scene.sample.radial_distribution ? " rdf.dat" : "",
         scene.has_stage("shardlow") ? "s DPD-BASIC and DPD-REACT"
