@@ -41,7 +41,7 @@ RULES = [
     (r"sh verification/fresh\.sh (\w+)", r"sh verification/fresh.sh 2>&1 | grep -w '\1'",
      "installs packages and builds everything"),
     # Definitions are read before the cache is made, here below a file, which fails: no run begins.
-    (r"(dpdref (?:figure (?!ID)|stability|work-precision).*)", r"\1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'",
+    (r"(dpdref (?:figure (?!ID)|stability|work-precision|answers).*)", r"\1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'",
      f"{LONG}; reads the definitions only (figure_test runs small ones)"),
     (r"(dpdref run .* --set time\.duration=5000)", r"\1 --set time.duration=5 --set time.equilibration=1",
      f"{LONG}; shortened"),
@@ -69,7 +69,10 @@ RULES = [
      "dpdref figure my1 --budget paper --jobs 1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'", "syntax"),
     (r"dpdref theory ID key=value \.\.\.", "dpdref theory ng10 n=3 gamma=9", "syntax"),
     (r"(dpdref theory) ([\w-]+)", r"\1 | grep '^\2 '", NAMED),
-    (r"(dpdref (?:run|figure))", r"\1 --help", NAMED),
+    (r"(dpdref (?:run|figure|compare|export lammps))", r"\1 --help", NAMED),
+    (r"(dpdref compare) \S+ (--answer (\S+))",
+     r"(echo quantity,value,error,blocks; grep '^\3,' figures/answers/answers.csv | cut -d, -f2-5) > own.csv && \1 own.csv \2",
+     "needs another code's output; the answer's own numbers must agree"),
     (r"dpdref run SCENE\.toml", "dpdref run verification/scenes/ideal_gas_rest.toml", "syntax"),
     (r"dpdref run --json", "dpdref run verification/scenes/ideal_gas_shear.toml --json --set time.duration=5 "
      "--set time.equilibration=0", "syntax"),
