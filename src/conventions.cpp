@@ -70,12 +70,6 @@ private:
     Assignments const& given_;
 };
 
-namespace {
-
-/// Gas constant, kJ/(mol K), exact since 2019: kT of a code that counts energy in kJ/mol.
-constexpr double gas_constant = 8.31446261815324e-3;
-
-/// p of w_D = (1 - x)^p.
 std::optional<double> exponent(Weight weight) {
     switch (weight) {
         case Weight::constant:
@@ -90,6 +84,11 @@ std::optional<double> exponent(Weight weight) {
             return std::nullopt;
     }
 }
+
+namespace {
+
+/// Gas constant, kJ/(mol K), exact since 2019: kT of a code that counts energy in kJ/mol.
+constexpr double gas_constant = 8.31446261815324e-3;
 
 std::optional<Weight> weight_of_exponent(double p) {
     for (auto const& [name, weight] : weights)

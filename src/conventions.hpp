@@ -27,6 +27,9 @@ struct DpdFluid {
     std::optional<double> dt = {};      ///< time step, if known
 };
 
+/// p of w_D = (1 - x)^p; nothing for the parabolic weight, which is no power of it.
+std::optional<double> exponent(Weight weight);
+
 using Assignments = std::vector<std::pair<std::string, std::string>>;
 
 /// How a code moves particles, as far as its forces' convention depends on it.

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <vector>
 
+#include "conventions.hpp"
 #include "errors.hpp"
 #include "run.hpp"
 #include "toml_reader.hpp"
@@ -48,23 +49,6 @@ void check_stages(Scene const& scene) {
                "sample at the end");
 }
 
-// w_R = (1 - r/cutoff)^s, half the power of w_D.
-double noise_exponent(Weight weight) {
-    switch (weight) {
-        case Weight::constant:
-            return 0.0;
-        case Weight::root:
-            return 0.25;
-        case Weight::linear:
-            return 0.5;
-        case Weight::quadratic:
-            return 1.0;
-        default:
-            refuse("modified_verlet.weight", "parabolic is no power of 1 - r/cutoff",
-                   "constant, root, linear, quadratic");
-    }
-}
-
 void check_modified_verlet(Scene const& scene) {
     auto const& p = scene.modified_verlet;
     if (p.lambda != 0.5)
@@ -75,7 +59,9 @@ void check_modified_verlet(Scene const& scene) {
     if (p.gamma == 0.0 && p.sigma > 0.0)
         refuse("modified_verlet.sigma", "LAMMPS computes the noise from friction and temperature",
                "0 where gamma is 0");
-    noise_exponent(p.weight);
+    if (!exponent(p.weight))
+        refuse("modified_verlet.weight", "parabolic is no power of 1 - r/cutoff",
+               "constant, root, linear, quadratic");
     auto const* const soft = soft_of(scene);
     if (soft && soft->cutoff != p.cutoff)
         refuse("modified_verlet.soft.cutoff", fmt::format("{} is not that of the friction", soft->cutoff),
@@ -153,10 +139,10 @@ std::string pair_lines(Scene const& scene) {
     auto const& p = scene.modified_verlet;
     double const kT = p.gamma > 0.0 ? p.sigma * p.sigma / (2.0 * p.gamma) : 0.0;
     bool const quadratic = p.weight == Weight::quadratic;
-    // friction along the line of the pair, none across
+    // friction along the line of the pair, none across; w_R has half the power of w_D
     std::string const friction =
         quadratic ? fmt::format("{} {}", p.gamma, p.cutoff)
-                  : fmt::format("{} 0 {} 1 {}", p.gamma, noise_exponent(p.weight), p.cutoff);
+                  : fmt::format("{} 0 {} 1 {}", p.gamma, 0.5 * *exponent(p.weight), p.cutoff);
     if (soft)
         return fmt::format("pair_style {} {} {} {}\npair_coeff 1 1 {} {}\n", quadratic ? "dpd" : "dpd/ext",
                            kT, p.cutoff, seed, force_amplitude(*soft), friction);
