@@ -334,3 +334,17 @@ BOOST_AUTO_TEST_CASE(mistakes_are_refused) {
     check("repulsion = 25.0", "repulsion = -1", "repulsion: -1 is not allowed");
     check("title = \"soft fluid\"", "title = \"soft fluid\"\ncolour = 1", "colour: unknown key");
 }
+// The committed answers are as many and as sharp as docs/answers.md says.
+BOOST_AUTO_TEST_CASE(the_committed_answers_are_sharp) {
+    Json const file = Json::parse(text_of(DPDREF_ANSWERS));
+    BOOST_TEST(file["budget"].get<std::string>() == "paper");
+    BOOST_TEST(file["states"].size() >= 30u);
+    for (auto const& state : file["states"])
+        for (auto const& [names, most] : {std::pair{std::vector{"viscosity", "diffusion_constant"}, 0.005},
+                                          std::pair{std::vector{"kinetic_temperature", "pressure"}, 0.0005}})
+            for (char const* const name : names) {
+                Json const& quantity = state["quantities"].at(name);
+                BOOST_TEST_CONTEXT(state["id"] << " " << name)
+                BOOST_TEST(quantity["error"].get<double>() <= most * quantity["value"].get<double>());
+            }
+}
