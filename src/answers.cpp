@@ -283,20 +283,10 @@ std::string concise(Json const& quantity) {
     return fmt::format("{:.{}f}({:.0f})", value, digits, error * std::pow(10.0, digits));
 }
 
-// The table of the book, one row per state point.
-std::string table_of(Json const& states) {
-    static constexpr std::array<std::pair<char const*, char const*>, 11> columns{
-        {{"kinetic_temperature", "kT"},
-         {"configurational_temperature", "kT, configurational"},
-         {"pressure", "pressure"},
-         {"potential_energy", "energy"},
-         {"speed_of_sound", "speed of sound"},
-         {"diffusion_constant", "D"},
-         {"infinite_diffusion_constant", "D, infinite box"},
-         {"viscosity", "viscosity"},
-         {"kinetic_viscosity", "kinetic"},
-         {"collision_viscosity", "collision"},
-         {"potential_viscosity", "potential"}}};
+using Columns = std::vector<std::pair<char const*, char const*>>;
+
+// A table of the book, one row per state point.
+std::string table_of(Json const& states, Columns const& columns) {
     std::string text = "| state point | L |", rule = "|---|---|";
     for (auto const& [name, label] : columns) text += fmt::format(" {} |", label), rule += "---|";
     text += "\n" + rule + "\n";
@@ -310,6 +300,21 @@ std::string table_of(Json const& states) {
         text += "\n";
     }
     return text;
+}
+
+std::string tables_of(Json const& states) {
+    return table_of(states, {{"kinetic_temperature", "kT"},
+                             {"configurational_temperature", "kT of forces"},
+                             {"pressure", "pressure"},
+                             {"potential_energy", "energy"},
+                             {"speed_of_sound", "sound"}}) +
+           "\n" +
+           table_of(states, {{"diffusion_constant", "D"},
+                             {"infinite_diffusion_constant", "D, L infinite"},
+                             {"viscosity", "viscosity"},
+                             {"kinetic_viscosity", "kinetic"},
+                             {"collision_viscosity", "collision"},
+                             {"potential_viscosity", "potential"}});
 }
 
 std::string csv_of(Json const& states) {
@@ -342,7 +347,7 @@ void measure_answers(Answers& answers, std::string const& budget, CampaignOption
     std::filesystem::create_directories(options.output);
     write_file(options.output / "answers.json", json.dump(1) + "\n");
     write_file(options.output / "answers.csv", csv_of(json["states"]));
-    write_file(options.output / "answers.md", table_of(json["states"]));
+    write_file(options.output / "answers.md", tables_of(json["states"]));
 }
 
 // --- looking up ------------------------------------------------------------------------------------------

@@ -31,8 +31,8 @@ struct Answers {
 /// Reads the state points of a budget ("quick" or "paper"). InputError as for scenes.
 Answers load_answers(std::filesystem::path const& directory, std::string const& budget);
 
-/// Runs what the cache lacks and writes answers.json, answers.csv and the table answers.md to options.output;
-/// a shard writes nothing.
+/// Runs what the cache lacks and writes answers.json, answers.csv and the tables answers.md to
+/// options.output; a shard writes nothing.
 void measure_answers(Answers& answers, std::string const& budget, CampaignOptions const& options);
 
 /// The lines that `dpdref answer` prints from the text of answers.json. `query` is empty (a list of the state
