@@ -130,7 +130,6 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
         if (integrator == integrators.end())
             table.fail("integrator", "is in no integrators.toml; allowed: the name of one");
 
-        std::vector<Point> points;
         auto const add = [&](std::string const& suffix, Kind const& kind, bool flows,
                              std::vector<std::string> const& more) {
             auto const in_steps = [&](double time) { return std::max(1L, std::lround(time / step)); };
@@ -181,7 +180,7 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
             if (form.interacting == (repulsion > 0.0) &&
                 (form.stage.empty() || scene.has_stage(form.stage)) &&
                 (!form.interacting || std::holds_alternative<Soft>(scene.potential)))
-                state.closed_forms.push_back(fmt::format("{}={}", form.quantity, form.id));
+                state.closed_forms.emplace_back(form.quantity, form.id);
         answers.states.push_back(std::move(state));
     }
     root.finish();
@@ -254,11 +253,8 @@ Json state_json(StatePoint const& state, Figure const& figure) {
         json["quantities"][quantity.name] = {
             {"value", estimate.value}, {"error", estimate.error}, {"blocks", estimate.blocks}};
     }
-    for (auto const& entry : state.closed_forms) {
-        auto const equals = entry.find('=');
-        std::string const quantity = entry.substr(0, equals), id = entry.substr(equals + 1);
+    for (auto const& [quantity, id] : state.closed_forms)
         json["quantities"].at(quantity)["closed_form"] = {{"id", id}, {"value", theory_for(scene, id)}};
-    }
     Json& curve = json["curves"]["radial_distribution"];
     for (Point const* const point : points_named(figure, state.id + "/g")) {
         auto const& estimate = find_quantity(point->quantities, "radial_distribution")->estimate;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "campaign.hpp"
@@ -18,7 +19,7 @@ struct Code;
 /// A state point: an integrator, a fluid, a step.
 struct StatePoint {
     std::string id, title, integrator;
-    std::vector<std::string> closed_forms;  ///< "quantity=id"
+    std::vector<std::pair<std::string, std::string>> closed_forms;  ///< quantity, id of `dpdref theory`
 };
 
 /// State points, and the runs behind them as curves of a figure: ID (at rest), ID/shear, ID/below and
