@@ -55,15 +55,15 @@ struct Box {
 private:
     void wrap_axis(Particles<d>& particles, int axis, double shift, double speed) const {
         double const side = length[axis];
-        double* const x = particles.position.col(axis).data();
         for (Eigen::Index p = 0; p < particles.size(); ++p) {
-            if (x[p] >= 0.0 && x[p] < side) [[likely]]
+            double& x = particles.position(p, axis);
+            if (x >= 0.0 && x < side) [[likely]]
                 continue;
-            double const boxes = std::floor(x[p] / side);
+            double const boxes = std::floor(x / side);
             if (!(std::abs(boxes) < std::numeric_limits<std::int32_t>::max() / 2.0))
                 throw Diverged("a particle's position is no longer a finite number of boxes away");
-            x[p] -= boxes * side;
-            if (x[p] >= side || x[p] < 0.0) x[p] = 0.0;  // rounding at the boundary itself
+            x -= boxes * side;
+            if (x >= side || x < 0.0) x = 0.0;  // rounding at the boundary itself
             particles.image(p, axis) += static_cast<std::int32_t>(boxes);
             if (shift != 0.0 || speed != 0.0) {
                 particles.position(p, 0) -= boxes * shift;

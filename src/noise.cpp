@@ -125,9 +125,9 @@ HWY_INLINE void philox(B bits, std::array<std::array<hn::Vec<B>, 4>, streams>& c
         for (auto& x : counters) {
             auto const product0 = multiply_words(bits, x[0], multiplier0);
             auto const product1 = multiply_words(bits, x[2], multiplier1);
-            x[0] = hn::Xor(hn::Xor(hn::ShiftRight<32>(product1), x[1]), hn::Set(bits, std::uint64_t{key0}));
+            x[0] = hn::Xor3(hn::ShiftRight<32>(product1), x[1], hn::Set(bits, std::uint64_t{key0}));
             x[1] = product1;
-            x[2] = hn::Xor(hn::Xor(hn::ShiftRight<32>(product0), x[3]), hn::Set(bits, std::uint64_t{key1}));
+            x[2] = hn::Xor3(hn::ShiftRight<32>(product0), x[3], hn::Set(bits, std::uint64_t{key1}));
             x[3] = product0;
         }
         key0 += PHILOX_W32_0;
@@ -144,7 +144,7 @@ HWY_INLINE void draw(NoiseKey key, std::uint32_t const* i, std::uint32_t const* 
     constexpr std::size_t width = hn::MaxLanes(d), block = 128;
     auto const step = hn::Set(bits, key.step & 0xffffffffu);
     auto const stream = hn::Set(bits, std::uint64_t{upper_word(key)});
-    alignas(64) std::array<std::uint64_t, block> first{}, second{};
+    alignas(64) std::array<std::uint64_t, block> first, second;
     alignas(64) std::array<double, block> variate;
     for (std::size_t begin = 0; begin < count; begin += block) {
         std::size_t const size = std::min(block, count - begin);
@@ -153,16 +153,17 @@ HWY_INLINE void draw(NoiseKey key, std::uint32_t const* i, std::uint32_t const* 
             first[k] = std::min(a, b);
             second[k] = std::max(a, b);
         }
+        double* const target = size == block ? out + begin : variate.data();
         for (std::size_t k = 0; k < size; k += 2 * width) {
             auto const counter = [&](std::size_t at) {
                 return std::array{hn::Load(bits, &first[at]), hn::Load(bits, &second[at]), step, stream};
             };
             std::array x{counter(k), counter(k + width)};
             philox(bits, x, key.seed);
-            hn::Store(variate_of(d, x[0]), d, &variate[k]);
-            hn::Store(variate_of(d, x[1]), d, &variate[k + width]);
+            hn::StoreU(variate_of(d, x[0]), d, target + k);
+            hn::StoreU(variate_of(d, x[1]), d, target + k + width);
         }
-        std::copy_n(variate.begin(), size, out + begin);
+        if (size < block) std::copy_n(variate.begin(), size, out + begin);
     }
 }
 

@@ -41,7 +41,7 @@ void PairSearch<d>::find(Particles<d> const& particles, Box<d> const& box, doubl
     pairs.clear();
     // In a side of just two cutoffs rounding could let a pair meet twice; there the definition itself
     // searches.
-    bool const tight = box.length.minCoeff() < 2.0 * cutoff * (1.0 + 1e-9);
+    bool const tight = box.length.minCoeff() < 2.0 * (cutoff + margin(box)) * (1.0 + 1e-9);
     if (search == Search::brute || tight)
         find_by_brute_force(particles, box, time, pairs);
     else
@@ -108,38 +108,11 @@ void PairSearch<d>::find_by_brute_force(Particles<d> const& particles, Box<d> co
     mark_crossing(pairs, within);
 }
 
+// By how much a distance in single precision may be wrong: a coordinate, of an image too, by four roundings
+// of at most 2^-24 twice the longest side, a difference of two by nine.
 template <int d>
-int PairSearch<d>::row_begin(int y, int x) const {
-    return (d == 3 ? y * (cells_[0] + 2) + x + 1 : y) * (cells_[contiguous] + 2 * reach);
-}
-
-template <int d>
-void PairSearch<d>::add_images(Box<d> const& box, double time) {
-    auto const copy = [&](Entry image, int axis, int direction) {
-        image.position[axis] += direction * box.length[axis];
-        image.cell[axis] += direction * cells_[axis];
-        entries_.push_back(image);
-    };
-    std::size_t const own = entries_.size();
-    double const offset = box.offset(time);
-    for (std::size_t e = 0; e < own; ++e) {
-        if (entries_[e].cell[1] != 0) continue;
-        copy(entries_[e], 1, +1);
-        if (!box.sheared()) continue;
-        Entry& image = entries_.back();
-        double& x = image.position[0];
-        x += offset;
-        x -= box.length[0] * std::floor(x / box.length[0]);
-        image.cell[0] = std::min(static_cast<int>(x * cells_[0] / box.length[0]), cells_[0] - 1);
-    }
-    for (int axis = 0; axis < d; axis += 2) {
-        int const layers = axis == contiguous ? reach : 1;
-        std::size_t const sources = entries_.size();
-        for (std::size_t e = 0; e < sources; ++e) {
-            if (entries_[e].cell[axis] < layers) copy(entries_[e], axis, +1);
-            if (entries_[e].cell[axis] >= cells_[axis] - layers) copy(entries_[e], axis, -1);
-        }
-    }
+double PairSearch<d>::margin(Box<d> const& box) const {
+    return 9.0 * std::sqrt(double(d)) * 0x1p-24 * 2.0 * (box.length.maxCoeff() + cutoff);
 }
 
 template <int d>
@@ -150,68 +123,131 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     for (int axis = 0; axis < d; ++axis)
         cells_[axis] = static_cast<int>(box.length[axis] / std::min(width, box.length[axis] / 2.0) *
                                         (axis == contiguous ? reach : 1));
-    entries_.resize(static_cast<std::size_t>(particles.size()));
-    for (Eigen::Index p = 0; p < particles.size(); ++p) {
-        Entry& entry = entries_[static_cast<std::size_t>(p)];
-        entry.row = static_cast<std::uint32_t>(p);
-        for (int axis = 0; axis < d; ++axis) {
-            entry.position[axis] = particles.position(p, axis);
-            entry.cell[axis] = std::min(
-                static_cast<int>(entry.position[axis] * cells_[axis] / box.length[axis]), cells_[axis] - 1);
-        }
-    }
-    add_images(box, time);
+    // so that about three particles share the work of collecting their candidates
+    together_ =
+        std::clamp(static_cast<int>(std::lround(3.0 * reach * std::pow(spacing / width, d))), 1, reach);
 
-    cell_begin_.assign(static_cast<std::size_t>(row_begin(cells_[1] + 1, -1)) + 2, 0);
-    for (auto const& entry : entries_) ++cell_begin_[static_cast<std::size_t>(cell_of(entry)) + 2];
+    auto const rows = static_cast<std::size_t>(particles.size());
+    int const layers = cells_[1] + (box.sheared() ? 1 : 0);
+    cell_begin_.assign(static_cast<std::size_t>(row_begin(layers, 0)) + 1, 0);
+    auto const cell_at = [&](double x, int axis) {
+        return std::min(static_cast<int>(x * cells_[axis] / box.length[axis]), cells_[axis] - 1);
+    };
+    auto const take_place = [&](std::array<int, d> const& c) {
+        auto const cell = static_cast<std::uint32_t>(row_begin(c[1], c[0]) + reach + c[contiguous]);
+        return Place{cell, static_cast<std::uint32_t>(cell_begin_[cell + 1]++)};
+    };
+    places_.resize(rows);
+    images_.clear();
+    double const offset = box.offset(time);
+    for (std::size_t p = 0; p < rows; ++p) {
+        std::array<int, d> c;
+        for (int axis = 0; axis < d; ++axis)
+            c[axis] = cell_at(particles.position(Eigen::Index(p), axis), axis);
+        places_[p] = take_place(c);
+        if (!box.sheared() || c[1] != 0) continue;
+        double x = particles.position(Eigen::Index(p), 0) + offset;
+        x -= box.length[0] * std::floor(x / box.length[0]);
+        c[0] = cell_at(x, 0);
+        c[1] = cells_[1];
+        images_.push_back({static_cast<std::uint32_t>(p), take_place(c), static_cast<float>(x)});
+    }
+    int const along = cells_[contiguous], stride = row_length();
+    int const end = static_cast<int>(cell_begin_.size()) - 1;
+    int* const count = cell_begin_.data() + 1;
+    for (int row = 0; row < end; row += stride) {
+        std::copy_n(count + row + along, reach, count + row);
+        std::copy_n(count + row + reach, reach, count + row + reach + along);
+    }
     std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
-    owner_.resize(entries_.size() + simd::widest);
-    for (auto& component : sorted_) component.resize(entries_.size() + simd::widest);
-    for (auto const& entry : entries_) {
-        // the begin of the next cell serves as this cell's cursor and ends up where it belongs
-        auto const slot =
-            static_cast<std::size_t>(cell_begin_[static_cast<std::size_t>(cell_of(entry)) + 1]++);
-        for (int axis = 0; axis < d; ++axis) sorted_[axis][slot] = entry.position[axis];
-        owner_[slot] = entry.row;
+
+    auto const entries = static_cast<std::size_t>(cell_begin_.back()) + simd::widest;
+    owner_.resize(entries);
+    for (auto& component : sorted_) component.resize(entries);
+    auto const put = [&](std::size_t p, Place place) {
+        auto const slot = static_cast<std::size_t>(cell_begin_[place.cell]) + place.rank;
+        for (int axis = 0; axis < d; ++axis)
+            sorted_[axis][slot] = static_cast<float>(particles.position(Eigen::Index(p), axis));
+        owner_[slot] = static_cast<std::uint32_t>(p);
+        return slot;
+    };
+    for (std::size_t p = 0; p < rows; ++p) put(p, places_[p]);
+    for (Image const& image : images_) sorted_[0][put(image.row, image.place)] = image.x;
+
+    auto const copy_cells = [&](int from, int to, double shift) {
+        int const begin = cell_begin_[std::size_t(from)], stop = cell_begin_[std::size_t(from + reach)];
+        int const target = cell_begin_[std::size_t(to)];
+        std::copy(owner_.begin() + begin, owner_.begin() + stop, owner_.begin() + target);
+        for (int axis = 0; axis < d; ++axis) {
+            float const by = axis == contiguous ? static_cast<float>(shift) : 0.0f;
+            std::transform(sorted_[axis].begin() + begin, sorted_[axis].begin() + stop,
+                           sorted_[axis].begin() + target, [by](float x) { return x + by; });
+        }
+    };
+    for (int row = 0; row < end; row += stride) {
+        copy_cells(row + along, row, -box.length[contiguous]);
+        copy_cells(row + reach, row + reach + along, box.length[contiguous]);
     }
 }
 
 // All pairs whose first member lies in layer y: with partners in the rest of its own layer, and with those
-// of the layer above. Half of the neighbourhood, so that each pair is met once.
+// of the layer above, which is the sheared image of the lowest one if `across`. Half of the neighbourhood, so
+// that each pair is met once.
 template <int d>
-void PairSearch<d>::search_layer(int y, bool within, bool above, PairList<d>& pairs) {
-    int const* const cell_begin = cell_begin_.data();
-    auto const entries = [&](int first_cell, int last_cell) {
-        return simd::Range{static_cast<std::size_t>(cell_begin[first_cell]),
-                           static_cast<std::size_t>(cell_begin[last_cell + 1])};
-    };
-    simd::Sorted<d> sorted;
-    for (std::size_t axis = 0; axis < d; ++axis) sorted[axis] = sorted_[axis].data();
-    // the separation itself decides later; the images' rounded positions must not lose a pair
-    double const generous = cutoff * cutoff * (1.0 + 1e-12);
+void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& box, double time, int y,
+                                 bool within, bool above, bool across, PairList<d>& pairs) {
+    simd::Geometry<d> const nearest_image = geometry(box, time, across);
+    auto const begin_of = [&](int cell) { return static_cast<std::size_t>(cell_begin_[std::size_t(cell)]); };
+    auto const limit = static_cast<float>(std::pow(cutoff + margin(box), 2) * (1.0 + 1e-6));
+    simd::Sorted<d> sorted{{}, owner_.data()};
+    for (std::size_t axis = 0; axis < d; ++axis) sorted.position[axis] = sorted_[axis].data();
 
     for (int x = 0; x < (d == 3 ? cells_[0] : 1); ++x) {
-        std::array<int, 4> rows{};  // first cells of the neighbouring rows
+        struct Row {
+            int begin;
+            float x, y;  // how far its image is displaced
+        };
+        std::array<Row, 4> rows;
         std::size_t row_count = 0;
-        if (within && d == 3) rows[row_count++] = row_begin(y, x + 1);
-        if (above && d == 3) rows[row_count++] = row_begin(y + 1, x - 1);
-        if (above) rows[row_count++] = row_begin(y + 1, x);
-        if (above && d == 3) rows[row_count++] = row_begin(y + 1, x + 1);
-        for (int c = reach; c < reach + cells_[contiguous]; ++c) {
-            int const cell = row_begin(y, x) + c;
-            simd::Range const home = entries(cell, cell);
-            if (home.begin == home.end) continue;
-            std::array<simd::Range, 5> ranges;
-            ranges[0] = {home.begin, within ? entries(cell, cell + reach).end : home.begin};
-            std::size_t candidates = ranges[0].end - ranges[0].begin;
+        auto const add_row = [&](int row_x, int row_y) {
+            int const turn = row_x < 0 ? -1 : row_x == cells_[0] ? 1 : 0;
+            bool const beyond = row_y == cells_[1];
+            rows[row_count++] = {row_begin(beyond && !across ? 0 : row_y, row_x - turn * cells_[0]),
+                                 static_cast<float>(turn * box.length[0]),
+                                 static_cast<float>(beyond ? box.length[1] : 0.0)};
+        };
+        if (d == 3 && within) add_row(x + 1, y);
+        if (d == 3 && above) add_row(x - 1, y + 1);
+        if (above) add_row(x, y + 1);
+        if (d == 3 && above) add_row(x + 1, y + 1);
+
+        candidates_.clear();
+        std::size_t most = 0, most_of_cell = 0;
+        for (int c = 0; c < cells_[contiguous]; c += together_) {
+            int const home = row_begin(y, x) + c + reach, size = std::min(together_, cells_[contiguous] - c);
+            simd::Candidates cell{.home_end = begin_of(home + size), .range_count = 1, .ranges = {}};
+            std::size_t const begin = begin_of(home), own = cell.home_end - begin;
+            if (own == 0) continue;
+            cell.ranges[0] = {begin, within ? begin_of(home + size + reach) : begin, {}};
+            std::size_t total = cell.ranges[0].end - begin;
             for (std::size_t r = 0; r < row_count; ++r) {
-                ranges[r + 1] = entries(rows[r] + c - reach, rows[r] + c + reach);
-                candidates += ranges[r + 1].end - ranges[r + 1].begin;
+                simd::Range const range{begin_of(rows[r].begin + c),
+                                        begin_of(rows[r].begin + c + size + 2 * reach),
+                                        {rows[r].x, rows[r].y}};
+                total += range.end - range.begin;
+                cell.ranges[cell.range_count++] = range;
             }
-            pairs.grow_to(pairs.count + (home.end - home.begin) * candidates + simd::widest);
-            pairs.count += simd::find_near(sorted, {home, {ranges.data(), row_count + 1}, generous},
-                                           pairs.i.data() + pairs.count, pairs.j.data() + pairs.count);
+            candidates_.push_back(cell);
+            most += own * total;
+            most_of_cell = std::max(most_of_cell, total);
         }
+        scratch_of_cell_.row.resize(std::max(scratch_of_cell_.row.size(), most_of_cell + simd::widest));
+        for (auto& component : scratch_of_cell_.position) component.resize(scratch_of_cell_.row.size());
+        std::size_t const begin = pairs.count;
+        pairs.grow_to(begin + most + simd::widest);
+        pairs.count +=
+            simd::find_near(sorted, candidates_, limit, scratch_of_cell_, &pairs.i[begin], &pairs.j[begin]);
+        separate(particles, nearest_image, begin, pairs);
     }
 }
 
@@ -230,25 +266,19 @@ simd::Geometry<d> PairSearch<d>::geometry(Box<d> const& box, double time, bool a
     return geometry;
 }
 
-// From entries to pairs, from `begin` on: rows, unit vectors and distances. What is no pair after all is left
-// out, and so are pairs at r = 0, so that every listed pair has a direction.
+// Separations, then unit vectors and distances of the pairs from `begin` on. What is no pair after all is
+// left out, and so are pairs at r = 0, so that every listed pair has a direction.
 template <int d>
 void PairSearch<d>::separate(Particles<d> const& particles, simd::Geometry<d> const& geometry,
                              std::size_t begin, PairList<d>& pairs) const {
     simd::PairColumns<d> columns{pairs.count - begin, {}, pairs.distance.data() + begin};
-    std::array<double const*, d> position;
-    for (std::size_t axis = 0; axis < d; ++axis) {
-        columns.unit[axis] = pairs.unit[axis].data() + begin;
-        position[axis] = particles.position.col(static_cast<Eigen::Index>(axis)).data();
-    }
-    std::uint32_t* const rows_i = pairs.i.data() + begin;
-    std::uint32_t* const rows_j = pairs.j.data() + begin;
+    for (std::size_t axis = 0; axis < d; ++axis) columns.unit[axis] = pairs.unit[axis].data() + begin;
+    double const* const position = particles.position.data();
+    std::uint32_t const *const rows_i = pairs.i.data() + begin, *const rows_j = pairs.j.data() + begin;
     for (std::size_t k = 0; k < columns.count; ++k) {
-        std::uint32_t const i = owner_[rows_i[k]], j = owner_[rows_j[k]];
-        rows_i[k] = i;
-        rows_j[k] = j;
+        std::size_t const i = d * std::size_t{rows_i[k]}, j = d * std::size_t{rows_j[k]};
         for (std::size_t axis = 0; axis < d; ++axis)
-            columns.unit[axis][k] = position[axis][i] - position[axis][j];
+            columns.unit[axis][k] = position[i + axis] - position[j + axis];
     }
     if (simd::normalize(geometry, columns) == 0) [[likely]]
         return;
@@ -270,15 +300,10 @@ void PairSearch<d>::find_by_cells(Particles<d> const& particles, Box<d> const& b
                                   PairList<d>& pairs) {
     sort_into_cells(particles, box, time);
     int const top = cells_[1] - 1;
-    auto const add_layer = [&](int y, bool within, bool above, bool across) {
-        std::size_t const begin = pairs.count;
-        search_layer(y, within, above, pairs);
-        separate(particles, geometry(box, time, across), begin, pairs);
-    };
-    for (int y = 0; y < top; ++y) add_layer(y, true, true, false);
-    add_layer(top, true, !box.sheared(), false);
+    for (int y = 0; y < top; ++y) search_layer(particles, box, time, y, true, true, false, pairs);
+    search_layer(particles, box, time, top, true, !box.sheared(), false, pairs);
     std::size_t const within = pairs.count;
-    if (box.sheared()) add_layer(top, false, true, true);
+    if (box.sheared()) search_layer(particles, box, time, top, false, true, true, pairs);
     mark_crossing(pairs, within);
 }
 
@@ -345,15 +370,11 @@ template <int d>
 void PairSearch<d>::sort_particles(Particles<d>& particles, Box<d> const& box, double time) {
     if (search == Search::brute) return;
     sort_into_cells(particles, box, time);
-    std::vector<Eigen::Index> rows;
-    rows.reserve(static_cast<std::size_t>(particles.size()));
-    for (std::size_t slot = 0; slot < entries_.size(); ++slot) {
-        // an image is told from its owner by lying elsewhere
-        bool own = true;
-        for (int axis = 0; axis < d; ++axis)
-            own &= sorted_[axis][slot] == particles.position(static_cast<Eigen::Index>(owner_[slot]), axis);
-        if (own) rows.push_back(static_cast<Eigen::Index>(owner_[slot]));
-    }
+    // from a particle's place among all, images included, to that among the particles
+    std::vector<Eigen::Index> rows(owner_.size(), -1);
+    for (std::size_t p = 0; p < places_.size(); ++p)
+        rows[static_cast<std::size_t>(cell_begin_[places_[p].cell]) + places_[p].rank] = Eigen::Index(p);
+    std::erase(rows, -1);
     Particles<d> const old = particles;
     particles.position = old.position(rows, Eigen::all);
     particles.velocity = old.velocity(rows, Eigen::all);
@@ -363,8 +384,9 @@ void PairSearch<d>::sort_particles(Particles<d>& particles, Box<d> const& box, d
 
 template <int d>
 std::size_t PairSearch<d>::bytes() const {
-    return entries_.capacity() * sizeof(Entry) + cell_begin_.capacity() * sizeof(int) +
-           owner_.capacity() * (sizeof(std::uint32_t) + d * sizeof(double)) +
+    return cell_begin_.capacity() * sizeof(int) + places_.capacity() * sizeof(Place) +
+           owner_.capacity() * (sizeof(std::uint32_t) + d * sizeof(float)) +
+           candidates_.capacity() * sizeof(simd::Candidates) +
            (place_.capacity() + bucket_begin_.capacity() + scratch_rows_.capacity()) * sizeof(std::uint32_t) +
            scratch_.capacity() * sizeof(double);
 }

@@ -72,38 +72,44 @@ public:
     std::size_t bytes() const;
 
 private:
-    struct Entry {
-        Vec<d> position;
-        std::array<int, d> cell;
-        std::uint32_t row;
-    };
-
     void find_by_brute_force(Particles<d> const&, Box<d> const&, double time, PairList<d>&);
     void find_by_cells(Particles<d> const&, Box<d> const&, double time, PairList<d>&);
     void sort_into_cells(Particles<d> const&, Box<d> const&, double time);
-    void add_images(Box<d> const&, double time);
-    void search_layer(int y, bool within, bool above, PairList<d>&);
+    void search_layer(Particles<d> const&, Box<d> const&, double time, int y, bool within, bool above,
+                      bool across, PairList<d>&);
     void separate(Particles<d> const&, simd::Geometry<d> const&, std::size_t begin, PairList<d>&) const;
     simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;
     void reorder(Particles<d> const&, NoiseKey, PairList<d>&);
     void sort_places(Particles<d> const&, NoiseKey, PairList<d> const&);
-    int row_begin(int y, int x) const;
-    std::size_t cell_of(Entry const& entry) const {
-        return static_cast<std::size_t>(row_begin(entry.cell[1], entry.cell[0]) + entry.cell[contiguous] +
-                                        reach);
-    }
+    double margin(Box<d> const&) const;
+
+    // Cells of one row, with its images; and the first cell of the row at (y, x), in two dimensions at y.
+    int row_length() const { return cells_[contiguous] + 2 * reach; }
+    int row_begin(int y, int x) const { return (d == 3 ? y * cells_[0] + x : y) * row_length(); }
 
     // Cells are at least a cutoff wide in y and x; along the last axis, where neighbouring cells are
-    // contiguous in memory, thinner by `reach`. They are numbered along y (slowest), x, z. The grid is padded
-    // by images: one layer above in y, a cutoff on either side along the other axes, so that the search knows
-    // no boundary.
+    // contiguous in memory, thinner by `reach`. They are numbered along y (slowest), x, z. A row of cells is
+    // padded by images, `reach` cells on either side, so that the search along it knows no boundary. In shear
+    // the image of the lowest layer, which is displaced along x, has cells of its own above the others.
     static constexpr int contiguous = d == 3 ? 2 : 0;
     static constexpr int reach = 4;
     std::array<int, d> cells_{};
-    std::vector<Entry> entries_;
+    int together_ = 1;  // cells of a row whose particles share one list of candidates
     std::vector<int> cell_begin_;
-    std::array<std::vector<double>, d> sorted_;        // positions of particles and images, by cell
-    std::vector<std::uint32_t> owner_;                 // row of the particle behind each of them
+    struct Place {
+        std::uint32_t cell, rank;
+    };
+    struct Image {
+        std::uint32_t row;
+        Place place;
+        float x;
+    };
+    std::vector<Place> places_;                 // of each particle
+    std::vector<Image> images_;                 // of the lowest layer, in shear
+    std::array<std::vector<float>, d> sorted_;  // positions of particles and images, by cell
+    std::vector<std::uint32_t> owner_;          // row of the particle behind each of them
+    std::vector<simd::Candidates> candidates_;  // of one row of cells
+    simd::Scratch<d> scratch_of_cell_;
     std::vector<std::uint32_t> place_, bucket_begin_;  // scratch of `reorder`, as are the next two
     std::vector<std::uint32_t> scratch_rows_;
     std::vector<double> scratch_;

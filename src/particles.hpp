@@ -1,5 +1,5 @@
 /// @file
-/// The particle state: structure of arrays, one contiguous column per Cartesian axis.
+/// The particle state: one array each of positions, velocities, images and ids.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,16 @@ namespace dpd {
 template <int d>
 using Vec = Eigen::Vector<double, d>;
 
-/// One row per particle, one contiguous column per axis.
-template <int d>
-using Field = Eigen::Array<double, Eigen::Dynamic, d>;
+/// One row per particle; its components are contiguous, so that a pair touches two places in memory.
+template <int d, class Scalar = double>
+using Field = Eigen::Array<Scalar, Eigen::Dynamic, d, Eigen::RowMajor>;
 
 /// N particles of equal mass. Rows are kept roughly in cell order; `id` names a particle for good.
 template <int d>
 struct Particles {
-    Field<d> position;  ///< inside the primary box
-    Field<d> velocity;  ///< laboratory frame
-    Eigen::Array<std::int32_t, Eigen::Dynamic, d>
-        image;  ///< boxes travelled; unwrapped = position + image*length
+    Field<d> position;             ///< inside the primary box
+    Field<d> velocity;             ///< laboratory frame
+    Field<d, std::int32_t> image;  ///< boxes travelled; unwrapped = position + image*length
     Eigen::Array<std::uint32_t, Eigen::Dynamic, 1> id;  ///< 0 .. N-1
     double mass = 1.0;
     std::uint32_t mobile = 0;  ///< ids from here on are frozen: wall particles, which never move

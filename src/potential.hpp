@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "pair_loop.hpp"
 #include "simulation.hpp"
 
 namespace dpd {
@@ -74,25 +75,29 @@ void forget_wall_forces(Simulation<d> const& simulation, Field<d>& force) {
 /// over pairs of f e_x y_ij.
 template <int d, class Potential>
 double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d>& field) {
-    auto const& pairs = simulation.pairs();
-    double* force[d];
-    for (int axis = 0; axis < d; ++axis) force[axis] = field.col(axis).data();
+    auto& pairs = simulation.pairs();
+    PairView<d> const view(pairs);
+    double* const force = field.data();
     double virial = 0.0;
     bool const walls = simulation.particles.has_walls();
-    for (std::size_t k = 0; k < pairs.count; ++k) {
-        double const r = pairs.distance[k];
-        if (r >= potential.cutoff) continue;
-        auto const i = pairs.i[k], j = pairs.j[k];
-        // [pair force]
-        double const f = potential.force(r) * (walls ? wall_factor(simulation, i, j) : 1.0);
-        for (int axis = 0; axis < d; ++axis) {
-            double const component = f * pairs.unit[axis][k];
-            force[axis][i] += component;
-            force[axis][j] -= component;
+    std::array<double, block_size> f;
+    for_each_block(pairs, [&](PairBlock block) {
+        wide_loop(block.size(), [=, f = f.data(), r = view.distance + block.begin](std::size_t k) {
+            f[k] = r[k] < potential.cutoff ? potential.force(r[k]) : 0.0;
+        });
+        for (std::size_t k = block.begin; k < block.end; ++k) {
+            auto const [i, j, e] = PairRows<d>(view, k);
+            double f_k = f[k - block.begin];
+            if (walls) f_k *= wall_factor(simulation, view.i[k], view.j[k]);
+            // [pair force]
+            for (int axis = 0; axis < d; ++axis) {
+                force[i + axis] += f_k * e[axis];
+                force[j + axis] -= f_k * e[axis];
+            }
+            virial += f_k * e[0] * e[1] * view.distance[k];
+            // [pair force]
         }
-        virial += f * pairs.unit[0][k] * pairs.unit[1][k] * r;
-        // [pair force]
-    }
+    });
     if (walls) forget_wall_forces(simulation, field);
     simulation.counters.potential_evaluations += pairs.count;
     return virial;

@@ -16,48 +16,67 @@ HWY_BEFORE_NAMESPACE();
 namespace dpd::simd::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// For every byte, the positions of its set bits, the lowest first.
-using SetBits = std::array<std::array<std::uint8_t, 8>, 256>;
-[[maybe_unused]] constexpr SetBits set_bits = [] {
-    SetBits table{};
-    for (std::size_t byte = 0; byte < 256; ++byte)
-        for (std::uint8_t bit = 0, count = 0; bit < 8; ++bit)
-            if (byte >> bit & 1) table[byte][count++] = bit;
-    return table;
-}();
+// Copies the candidates of a cell into one row, each seen in its image; returns how many.
+template <int d, class Lanes>
+HWY_INLINE std::size_t gather(Lanes lanes, Sorted<d> const& sorted, Candidates const& cell,
+                              float* (&position)[d], std::uint32_t* row) {
+    hn::RebindToUnsigned<Lanes> const rows;
+    std::size_t count = 0;
+    for (std::size_t r = 0; r < cell.range_count; ++r) {
+        Range const& range = cell.ranges[r];
+        std::size_t const size = range.end - range.begin;
+        for (std::size_t q = 0; q < size; q += hn::Lanes(lanes)) {
+            for (int axis = 0; axis < d; ++axis) {
+                auto x = hn::LoadU(lanes, sorted.position[axis] + range.begin + q);
+                if (axis < 2) x = hn::Add(x, hn::Set(lanes, range.shift[axis]));
+                hn::StoreU(x, lanes, position[axis] + count + q);
+            }
+            hn::StoreU(hn::LoadU(rows, sorted.row + range.begin + q), rows, row + count + q);
+        }
+        count += size;
+    }
+    return count;
+}
 
 template <int d>
-HWY_INLINE std::size_t near_lanes(Sorted<d> const& position, Candidates const& candidates, std::uint32_t* i,
+HWY_INLINE std::size_t near_lanes(Sorted<d> const& sorted, std::span<Candidates const> cells,
+                                  float limit_squared, Scratch<d>& scratch, std::uint32_t* i,
                                   std::uint32_t* j) {
-    hn::ScalableTag<double> const lanes;
-    hn::Rebind<std::uint32_t, decltype(lanes)> const entries;
-    hn::Rebind<std::uint8_t, decltype(lanes)> const bytes;
+    hn::ScalableTag<float> const lanes;
+    hn::RebindToUnsigned<decltype(lanes)> const rows;
     std::size_t const width = hn::Lanes(lanes);
-    auto const limit = hn::Set(lanes, candidates.cutoff_squared);
+    auto const limit = hn::Set(lanes, limit_squared);
+    auto const numbers = hn::Iota(rows, 0);
     std::size_t count = 0;
-    for (std::size_t h = candidates.home.begin; h < candidates.home.end; ++h) {
-        hn::Vec<decltype(lanes)> origin[d];
-        for (int axis = 0; axis < d; ++axis) origin[axis] = hn::Set(lanes, position[axis][h]);
-        auto const home = hn::Set(entries, static_cast<std::uint32_t>(h));
-        std::size_t begin = h + 1;
-        for (Range const& range : candidates.ranges) {
-            if (&range != candidates.ranges.data()) begin = range.begin;
-            for (std::size_t q = begin; q < range.end; q += width) {
+    float* position[d];
+    for (int axis = 0; axis < d; ++axis) position[axis] = scratch.position[axis].data();
+    for (Candidates const& cell : cells) {
+        std::size_t const size = gather<d>(lanes, sorted, cell, position, scratch.row.data());
+        std::size_t const begin = cell.ranges[0].begin;
+        // with its own cell a particle pairs from its successor on
+        bool const own = cell.ranges[0].end > begin;
+        for (std::size_t h = begin; h < cell.home_end; ++h) {
+            hn::Vec<decltype(lanes)> origin[d];
+            for (int axis = 0; axis < d; ++axis) origin[axis] = hn::Set(lanes, sorted.position[axis][h]);
+            auto const first = own ? h - begin + 1 : 0;
+            auto const from = hn::Set(rows, static_cast<std::uint32_t>(first)),
+                       to = hn::Set(rows, static_cast<std::uint32_t>(size));
+            std::size_t const found = count;
+            for (std::size_t q = first / width * width; q < size; q += width) {
                 auto squared = hn::Zero(lanes);
                 for (int axis = 0; axis < d; ++axis) {
                     auto const s = hn::Sub(origin[axis], hn::LoadU(lanes, position[axis] + q));
                     squared = hn::Add(squared, hn::Mul(s, s));
                 }
-                auto const near = hn::And(hn::Lt(squared, limit), hn::FirstN(lanes, range.end - q));
-                std::array<std::uint8_t, 8> mask{};
-                hn::StoreMaskBits(lanes, near, mask.data());
-                auto const which = hn::PromoteTo(entries, hn::LoadU(bytes, set_bits[mask[0]].data()));
+                auto const number = hn::Add(numbers, hn::Set(rows, static_cast<std::uint32_t>(q)));
+                auto const there = hn::AndNot(hn::Lt(number, from), hn::Lt(number, to));
+                auto const near = hn::And(hn::RebindMask(rows, hn::Lt(squared, limit)), there);
                 // whole vectors are written; the next result begins where the valid lanes end
-                hn::StoreU(home, entries, i + count);
-                hn::StoreU(hn::Add(which, hn::Set(entries, static_cast<std::uint32_t>(q))), entries,
-                           j + count);
-                count += hn::CountTrue(lanes, near);
+                hn::StoreU(hn::Compress(hn::LoadU(rows, scratch.row.data() + q), near), rows, j + count);
+                count += hn::CountTrue(rows, near);
             }
+            auto const home = hn::Set(rows, sorted.row[h]);
+            for (std::size_t k = found; k < count; k += width) hn::StoreU(home, rows, i + k);
         }
     }
     return count;
@@ -94,13 +113,13 @@ HWY_INLINE std::size_t normalize_lanes(Geometry<d> const& geometry, PairColumns<
     return outside;
 }
 
-std::size_t find_near_2(Sorted<2> const& sorted, Candidates const& candidates, std::uint32_t* i,
-                        std::uint32_t* j) {
-    return near_lanes<2>(sorted, candidates, i, j);
+std::size_t find_near_2(Sorted<2> const& sorted, std::span<Candidates const> cells, float limit_squared,
+                        Scratch<2>& scratch, std::uint32_t* i, std::uint32_t* j) {
+    return near_lanes<2>(sorted, cells, limit_squared, scratch, i, j);
 }
-std::size_t find_near_3(Sorted<3> const& sorted, Candidates const& candidates, std::uint32_t* i,
-                        std::uint32_t* j) {
-    return near_lanes<3>(sorted, candidates, i, j);
+std::size_t find_near_3(Sorted<3> const& sorted, std::span<Candidates const> cells, float limit_squared,
+                        Scratch<3>& scratch, std::uint32_t* i, std::uint32_t* j) {
+    return near_lanes<3>(sorted, cells, limit_squared, scratch, i, j);
 }
 std::size_t normalize_2(Geometry<2> const& geometry, PairColumns<2> const& pairs) {
     return normalize_lanes(geometry, pairs);
@@ -120,13 +139,13 @@ HWY_EXPORT(find_near_3);
 HWY_EXPORT(normalize_2);
 HWY_EXPORT(normalize_3);
 
-std::size_t find_near(Sorted<2> const& sorted, Candidates const& candidates, std::uint32_t* i,
-                      std::uint32_t* j) {
-    return HWY_DYNAMIC_DISPATCH(find_near_2)(sorted, candidates, i, j);
+std::size_t find_near(Sorted<2> const& sorted, std::span<Candidates const> cells, float limit_squared,
+                      Scratch<2>& scratch, std::uint32_t* i, std::uint32_t* j) {
+    return HWY_DYNAMIC_DISPATCH(find_near_2)(sorted, cells, limit_squared, scratch, i, j);
 }
-std::size_t find_near(Sorted<3> const& sorted, Candidates const& candidates, std::uint32_t* i,
-                      std::uint32_t* j) {
-    return HWY_DYNAMIC_DISPATCH(find_near_3)(sorted, candidates, i, j);
+std::size_t find_near(Sorted<3> const& sorted, std::span<Candidates const> cells, float limit_squared,
+                      Scratch<3>& scratch, std::uint32_t* i, std::uint32_t* j) {
+    return HWY_DYNAMIC_DISPATCH(find_near_3)(sorted, cells, limit_squared, scratch, i, j);
 }
 std::size_t normalize(Geometry<2> const& geometry, PairColumns<2> const& pairs) {
     return HWY_DYNAMIC_DISPATCH(normalize_2)(geometry, pairs);

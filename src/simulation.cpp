@@ -137,6 +137,7 @@ void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint6
                 filled * box.length[axis] * uniform({seed, 0, stream_positions}, id, component);
             particles.velocity(p, axis) = thermal_speed * normal({seed, 0, stream_velocities}, id, component);
         }
+    Eigen::Array<double, Eigen::Dynamic, d> const drawn = particles.velocity;  // summed axis by axis
     if (start == Start::lattice) put_on_lattice(particles, box, 0, particles.size(), 0.0, box.length[1]);
     if (particles.has_walls()) {
         auto const fluid = static_cast<Eigen::Index>(particles.mobile), walls = particles.size() - fluid;
@@ -148,13 +149,12 @@ void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint6
             particles.position.col(1).head(fluid) =
                 box.wall + height / box.length[1] * particles.position.col(1).head(fluid);
         particles.velocity.bottomRows(walls).setZero();
-        particles.velocity.topRows(fluid).rowwise() -=
-            particles.velocity.topRows(fluid).colwise().mean().eval();
+        particles.velocity.topRows(fluid).rowwise() -= drawn.topRows(fluid).colwise().mean().eval();
         box.wrap(particles, 0.0);
         particles.image.setZero();
         return;
     }
-    particles.velocity.rowwise() -= particles.velocity.colwise().mean().eval();
+    particles.velocity.rowwise() -= drawn.colwise().mean().eval();
     if (box.sheared())
         particles.velocity.col(0) += box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
 }

@@ -1,35 +1,24 @@
 #include "stages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <type_traits>
 
+#include "pair_loop.hpp"
 #include "sample.hpp"
+#include "wide.hpp"
 
 namespace dpd {
 namespace {
 
-// Standard normals of all pairs of the list, in `impulse`, where the update replaces each by its impulse.
+// Standard normals of the pairs of a block, in `impulse`, where the update replaces each by its impulse.
 template <int d>
-double* draw_pair_noise(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key) {
-    pair_normals(key, {pairs.i.data(), pairs.count}, {pairs.j.data(), pairs.count},
-                 simulation.particles.id.data(), {pairs.impulse.data(), pairs.count});
-    simulation.counters.random_draws += pairs.count;
-    simulation.counters.pair_updates += pairs.count;
-    return pairs.impulse.data();
-}
-
-// Calls visit(k, speed) for every pair of the list, where `speed` is that of j's image along x: zero, known
-// at compile time, except across a sheared boundary.
-template <int d, class Visit>
-void for_each_pair(PairList<d> const& pairs, Box<d> const& box, Visit&& visit) {
-    double const speed = box.image_speed();
-    std::size_t k = 0;
-    for (std::size_t const crossing : pairs.crossing) {
-        for (; k < crossing; ++k) visit(k, std::integral_constant<int, 0>{});
-        visit(k++, speed);
-    }
-    for (; k < pairs.count; ++k) visit(k, std::integral_constant<int, 0>{});
+void draw_pair_noise(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, PairBlock block) {
+    pair_normals(key, {&pairs.i[block.begin], block.size()}, {&pairs.j[block.begin], block.size()},
+                 simulation.particles.id.data(), {&pairs.impulse[block.begin], block.size()});
+    simulation.counters.random_draws += block.size();
+    simulation.counters.pair_updates += block.size();
 }
 
 // [streaming]
@@ -45,48 +34,62 @@ void stream(Simulation<d>& simulation, double span, double end) {
 }
 // [streaming]
 
+// The components of a particle, whose row begins at `begin`.
+template <int d>
+inline std::array<double, d> row(double const* field, std::size_t begin) {
+    std::array<double, d> components;
+    for (std::size_t axis = 0; axis < d; ++axis) components[axis] = field[begin + axis];
+    return components;
+}
+
 // v_ij . e_ij
-template <int d, class Speed>
-inline double approach(double const* const (&velocity)[d], std::uint32_t i, std::uint32_t j,
-                       double const (&e)[d], Speed image_speed) {
-    double sum = (velocity[0][i] - velocity[0][j] - image_speed) * e[0];
-    for (int axis = 1; axis < d; ++axis) sum += (velocity[axis][i] - velocity[axis][j]) * e[axis];
+template <std::size_t d, class Speed>
+inline double approach(std::array<double, d> const& v_i, std::array<double, d> const& v_j,
+                       std::array<double, d> const& e, Speed image_speed) {
+    double sum = (v_i[0] - v_j[0] - image_speed) * e[0];
+    for (std::size_t axis = 1; axis < d; ++axis) sum += (v_i[axis] - v_j[axis]) * e[axis];
     return sum;
 }
 
-// The sequential update of all pairs within the cutoff; `impulse` holds the pairs' noise and gets the changes
-// of velocity. The stress of friction is collected apart: noise has mean zero whatever went before. a_of(k,
-// x) is A of pair k at x = r/cutoff. @eq{NG2007,4}
+// The sequential update of all pairs within the cutoff; `impulse` gets the changes of velocity. The stress of
+// friction is collected apart: noise has mean zero whatever went before. @eq{NG2007,4}
 template <int d, class AOfPair>
-void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, double cutoff, double kT, AOfPair&& a_of) {
+void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, double cutoff, double kT,
+                  AOfPair a_of) {
     auto& particles = simulation.particles;
-    double* const impulse = pairs.impulse.data();
+    PairView<d> const view(pairs);
     double const noise = std::sqrt(2.0 * kT / particles.mass);
-    double const per_cutoff = 1.0 / cutoff;
-    double* velocity[d];
-    for (int axis = 0; axis < d; ++axis) velocity[axis] = particles.velocity.col(axis).data();
     bool const stress_wanted = simulation.stage_stress.wanted;
+    double* const v = particles.velocity.data();
     double moved = 0.0;
-    for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
-        double const x = pairs.distance[k] * per_cutoff;
-        double const a = x < 1.0 ? a_of(k, x) : 0.0;
-        if (a == 0.0) {
-            impulse[k] = 0.0;
-            return;
-        }
-        double e[d];
-        for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
-        auto const i = pairs.i[k], j = pairs.j[k];
-        // [pair update]
-        double const friction = -a * approach<d>(velocity, i, j, e, image_speed);
-        double const change = friction + update_b(a, 1.0) * noise * impulse[k];
-        if (stress_wanted) moved += friction * e[0] * e[1] * pairs.distance[k];
-        for (int axis = 0; axis < d; ++axis) {
-            velocity[axis][i] += change * e[axis];
-            velocity[axis][j] -= change * e[axis];
-        }
-        impulse[k] = change;
-        // [pair update]
+    std::array<double, block_size> a;
+    for_each_block(pairs, [&](PairBlock block) {
+        draw_pair_noise(simulation, pairs, key, block);
+        double const* const r = view.distance + block.begin;
+        double* const xi = view.impulse + block.begin;
+        wide_loop(block.size(), [=, per_cutoff = 1.0 / cutoff, a = a.data()](std::size_t k) {
+            // [pair coefficients]
+            double const x = r[k] * per_cutoff;
+            a[k] = x < 1.0 ? a_of(block.begin + k, x) : 0.0;
+            xi[k] *= update_b(a[k], 1.0) * noise;
+            // [pair coefficients]
+        });
+        for_each_pair(pairs, simulation.box, block, [&](std::size_t k, auto image_speed) {
+            double const a_k = a[k - block.begin];
+            if (a_k == 0.0) return;
+            auto const [i, j, e] = PairRows<d>(view, k);
+            auto const v_i = row<d>(v, i), v_j = row<d>(v, j);
+            // [pair update]
+            double const friction = -a_k * approach(v_i, v_j, e, image_speed);
+            double const change = friction + view.impulse[k];
+            for (int axis = 0; axis < d; ++axis) {
+                v[i + axis] = v_i[axis] + change * e[axis];
+                v[j + axis] = v_j[axis] - change * e[axis];
+            }
+            view.impulse[k] = change;
+            // [pair update]
+            if (stress_wanted) moved += friction * e[0] * e[1] * view.distance[k];
+        });
     });
     simulation.stage_stress.friction -=
         particles.mass * moved / (simulation.box.volume() * simulation.time_step);
@@ -118,14 +121,13 @@ void Scatter<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
 template <int d>
 void Shardlow<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
     auto& pairs = simulation.pairs();
-    draw_pair_noise(simulation, pairs, key);
     simulation.stage_stress.friction = 0.0;
     // [shardlow]
     double const rate = friction * simulation.time_step / simulation.particles.mass;
     with_weight(weight, [&]<Weight w>() {
         with_scheme(scheme, [&]<Scheme s>() {
-            update_pairs(simulation, pairs, cutoff, kT,
-                         [&](std::size_t, double x) { return update_a<s>(rate * weight_at<w>(x)); });
+            update_pairs(simulation, pairs, key, cutoff, kT,
+                         [=](std::size_t, double x) { return update_a<s>(rate * weight_at<w>(x)); });
         });
     });
     // [shardlow]
@@ -142,18 +144,17 @@ void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
     Eigen::Map<Eigen::ArrayXd> const impulse(pairs.impulse.data(), lot.size());
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         key.sweep = static_cast<std::uint8_t>(sweep);
-        draw_pair_noise(simulation, pairs, key);
         // [lowe sweep]
         double const probability = updates - sweep;
         if (probability >= 1.0) {
-            update_pairs(simulation, pairs, cutoff, kT, [](std::size_t, double) { return 0.5; });
+            update_pairs(simulation, pairs, key, cutoff, kT, [](std::size_t, double) { return 0.5; });
         } else {
             NoiseKey lots = key;
             lots.sweep |= 0x80;  // apart from the sweeps' normals
             pair_uniforms(lots, {pairs.i.data(), pairs.count}, {pairs.j.data(), pairs.count},
                           simulation.particles.id.data(), {lot.data(), pairs.count});
             simulation.counters.random_draws += pairs.count;
-            update_pairs(simulation, pairs, cutoff, kT, [&](std::size_t k, double) {
+            update_pairs(simulation, pairs, key, cutoff, kT, [&](std::size_t k, double) {
                 return lot[Eigen::Index(k)] < probability ? 0.5 : 0.0;
             });
         }
@@ -167,44 +168,46 @@ void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
 template <int d>
 void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
     auto& pairs = simulation.pairs();
+    PairView<d> const view(pairs);
     auto& particles = simulation.particles;
-    double* const impulse = draw_pair_noise(simulation, pairs, key);
     simulation.momentum_change.setZero(particles.size(), d);
     double const friction = gamma * simulation.time_step;
     double const noise = sigma * std::sqrt(simulation.time_step);
     bool const stress_wanted = simulation.stage_stress.wanted;
     double moved = 0.0;
     double const per_mass = 1.0 / particles.mass;
-    double const per_cutoff = 1.0 / cutoff;
-
-    double const* velocity[d];
-    double* change[d];
-    for (int axis = 0; axis < d; ++axis) {
-        velocity[axis] = particles.velocity.col(axis).data();
-        change[axis] = simulation.momentum_change.col(axis).data();
-    }
-    with_weight(weight, [&]<Weight w>() {
-        for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
-            double const x = pairs.distance[k] * per_cutoff;
-            if (x >= 1.0) {
-                impulse[k] = 0.0;
-                return;
-            }
-            double const w_d = weight_at<w>(x);
-            double const w_r = matched ? std::sqrt(w_d) : weight_at(random_weight, x);
-            double e[d];
-            for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
-            auto const i = pairs.i[k], j = pairs.j[k];
+    double const* const v = particles.velocity.data();
+    double* const change = simulation.momentum_change.data();
+    std::array<double, block_size> drag;
+    for_each_block(pairs, [&](PairBlock block) {
+        draw_pair_noise(simulation, pairs, key, block);
+        double const* const r = view.distance + block.begin;
+        double* const xi = view.impulse + block.begin;
+        with_weight(weight, [&]<Weight w>() {
+            wide_loop(block.size(), [=, per_cutoff = 1.0 / cutoff, matched = matched,
+                                     random_weight = random_weight, drag = drag.data()](std::size_t k) {
+                // [euler coefficients]
+                double const x = r[k] * per_cutoff;
+                double const w_d = x < 1.0 ? weight_at<w>(x) : 0.0;
+                double const w_r = matched ? std::sqrt(w_d) : weight_at(random_weight, x);
+                drag[k] = friction * w_d;
+                xi[k] *= noise * w_r;
+                // [euler coefficients]
+            });
+        });
+        for_each_pair(pairs, simulation.box, block, [&](std::size_t k, auto image_speed) {
+            auto const [i, j, e] = PairRows<d>(view, k);
             // [euler impulse]
-            double const dissipative = -friction * w_d * approach<d>(velocity, i, j, e, image_speed);
-            double const momentum = dissipative + noise * w_r * impulse[k];
+            double const dissipative =
+                -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
+            double const momentum = dissipative + view.impulse[k];
             for (int axis = 0; axis < d; ++axis) {
-                change[axis][i] += momentum * e[axis];
-                change[axis][j] -= momentum * e[axis];
+                change[i + axis] += momentum * e[axis];
+                change[j + axis] -= momentum * e[axis];
             }
             // [euler impulse]
-            if (stress_wanted) moved += dissipative * e[0] * e[1] * pairs.distance[k];
-            impulse[k] = momentum * per_mass;
+            if (stress_wanted) moved += dissipative * e[0] * e[1] * view.distance[k];
+            view.impulse[k] = momentum * per_mass;
         });
     });
     simulation.stage_stress.friction = -moved / (simulation.box.volume() * simulation.time_step);
@@ -266,45 +269,51 @@ void Verlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const
 template <int d, class Potential>
 void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseKey key) const {
     auto& pairs = simulation.pairs();
+    PairView<d> const view(pairs);
     auto& particles = simulation.particles;
-    double* const noise = draw_pair_noise(simulation, pairs, key);
     double const strength = sigma / std::sqrt(simulation.time_step);
-    double const per_cutoff = 1.0 / cutoff;
     simulation.force.setZero(particles.size(), d);
-    double const* velocity[d];
-    double* force[d];
-    for (int axis = 0; axis < d; ++axis) {
-        velocity[axis] = particles.velocity.col(axis).data();
-        force[axis] = simulation.force.col(axis).data();
-    }
+    double const* const v = particles.velocity.data();
+    double* const force = simulation.force.data();
     PairVirials virials;
     bool const walls = particles.has_walls();
-    with_weight(weight, [&]<Weight w>() {
-        for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
-            double e[d];
-            for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
-            auto const i = pairs.i[k], j = pairs.j[k];
-            double const r = pairs.distance[k], x = r * per_cutoff;
-            // [modified verlet force]
-            double conservative = r < potential.cutoff ? potential.force(r) : 0.0;
-            if (walls) conservative *= wall_factor(simulation, i, j);
-            double friction = 0.0, thermal = 0.0;
-            if (x < 1.0) {
-                double const w_d = weight_at<w>(x);
-                friction = -gamma * w_d * approach<d>(velocity, i, j, e, image_speed);
-                thermal = friction + strength * std::sqrt(w_d) * noise[k];
-            }
-            double const f = conservative + thermal;
-            // [modified verlet force]
+    std::array<double, block_size> conservative, drag;
+    for_each_block(pairs, [&](PairBlock block) {
+        draw_pair_noise(simulation, pairs, key, block);
+        double const* const r = view.distance + block.begin;
+        double* const xi = view.impulse + block.begin;
+        with_weight(weight, [&]<Weight w>() {
+            wide_loop(block.size(), [=, gamma = gamma, per_cutoff = 1.0 / cutoff, potential = potential,
+                                     conservative = conservative.data(), drag = drag.data()](std::size_t k) {
+                // [modified verlet force]
+                double const x = r[k] * per_cutoff;
+                double const w_d = x < 1.0 ? weight_at<w>(x) : 0.0;
+                conservative[k] = r[k] < potential.cutoff ? potential.force(r[k]) : 0.0;
+                drag[k] = gamma * w_d;
+                xi[k] *= strength * std::sqrt(w_d);
+                // [modified verlet force]
+            });
+        });
+        if (walls)
+            for (std::size_t k = 0; k < block.size(); ++k)
+                conservative[k] *= wall_factor(simulation, view.i[block.begin + k], view.j[block.begin + k]);
+        for_each_pair(pairs, simulation.box, block, [&](std::size_t k, auto image_speed) {
+            auto const [i, j, e] = PairRows<d>(view, k);
+            // [modified verlet sum]
+            double const friction =
+                -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
+            double const thermal = friction + view.impulse[k];
+            double const f = conservative[k - block.begin] + thermal;
             for (int axis = 0; axis < d; ++axis) {
-                force[axis][i] += f * e[axis];
-                force[axis][j] -= f * e[axis];
+                force[i + axis] += f * e[axis];
+                force[j + axis] -= f * e[axis];
             }
-            double const arm = e[0] * e[1] * r;
-            virials.potential += conservative * arm;
+            // [modified verlet sum]
+            double const arm = e[0] * e[1] * view.distance[k];
+            virials.potential += conservative[k - block.begin] * arm;
             virials.friction += friction * arm;
             virials.thermostat += thermal * arm;
-            if (friction_again) noise[k] = friction;  // to be replaced
+            if (friction_again) view.impulse[k] = friction;  // to be replaced
         });
     });
     if (walls) forget_wall_forces(simulation, simulation.force);
@@ -317,26 +326,22 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
 template <int d, class Potential>
 void ModifiedVerlet<d, Potential>::find_friction_again(Simulation<d>& simulation) const {
     auto& pairs = simulation.pairs();
+    PairView<d> const view(pairs);
     auto const& particles = simulation.particles;
-    double const* velocity[d];
-    double* force[d];
-    for (int axis = 0; axis < d; ++axis) {
-        velocity[axis] = particles.velocity.col(axis).data();
-        force[axis] = simulation.force.col(axis).data();
-    }
+    double const* const v = particles.velocity.data();
+    double* const force = simulation.force.data();
     double added = 0.0;
     with_weight(weight, [&]<Weight w>() {
-        for_each_pair(pairs, simulation.box, [&](std::size_t k, auto image_speed) {
-            double const r = pairs.distance[k], x = r / cutoff;
+        for_each_pair(pairs, simulation.box, {0, pairs.count}, [&](std::size_t k, auto image_speed) {
+            double const r = view.distance[k], x = r / cutoff;
             if (x >= 1.0) return;
-            double e[d];
-            for (int axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
-            auto const i = pairs.i[k], j = pairs.j[k];
-            double const friction = -gamma * weight_at<w>(x) * approach<d>(velocity, i, j, e, image_speed);
-            double const change = friction - pairs.impulse[k];
+            auto const [i, j, e] = PairRows<d>(view, k);
+            double const friction =
+                -gamma * weight_at<w>(x) * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
+            double const change = friction - view.impulse[k];
             for (int axis = 0; axis < d; ++axis) {
-                force[axis][i] += change * e[axis];
-                force[axis][j] -= change * e[axis];
+                force[i + axis] += change * e[axis];
+                force[j + axis] -= change * e[axis];
             }
             added += change * e[0] * e[1] * r;
         });

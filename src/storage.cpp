@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "errors.hpp"
+#include "particles.hpp"
 #include "version.hpp"
 
 namespace dpd {
@@ -153,31 +154,34 @@ void Archive::operator()(std::string const& name, std::vector<std::uint64_t>& va
     guarded(path_, reading() ? "read" : "write", [&] { vector_io(file_->h5, reading(), name, values); });
 }
 
-// Eigen's columns are contiguous: the data set has one row per column.
-template <class Scalar, int columns>
-void Archive::array(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns>& values) {
+// The data set's rows are what is contiguous in memory: Eigen's columns, or its rows where it stores by row.
+template <class Scalar, int columns, int options>
+void Archive::array(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns, options>& values) {
     guarded(path_, reading() ? "read" : "write", [&] {
         if (reading()) {
             H5::DataSet const set = file_->h5.openDataSet(name);
             hsize_t size[2];
             set.getSpace().getSimpleExtentDims(size);
+            if constexpr (options & Eigen::RowMajor) std::swap(size[0], size[1]);
             values.resize(static_cast<Eigen::Index>(size[1]), static_cast<Eigen::Index>(size[0]));
             if (values.size() > 0) set.read(values.data(), type_of<Scalar>());
         } else {
-            hsize_t const size[2] = {static_cast<hsize_t>(values.cols()),
-                                     static_cast<hsize_t>(values.rows())};
+            hsize_t size[2] = {static_cast<hsize_t>(values.cols()), static_cast<hsize_t>(values.rows())};
+            if constexpr (options & Eigen::RowMajor) std::swap(size[0], size[1]);
             H5::DataSet const set = create(file_->h5, name, type_of<Scalar>(), H5::DataSpace(2, size));
             if (values.size() > 0) set.write(values.data(), type_of<Scalar>());
         }
     });
 }
 
-template void Archive::array(std::string const&, Eigen::Array<double, Eigen::Dynamic, 1>&);
-template void Archive::array(std::string const&, Eigen::Array<double, Eigen::Dynamic, 2>&);
-template void Archive::array(std::string const&, Eigen::Array<double, Eigen::Dynamic, 3>&);
-template void Archive::array(std::string const&, Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic>&);
-template void Archive::array(std::string const&, Eigen::Array<std::int32_t, Eigen::Dynamic, 2>&);
-template void Archive::array(std::string const&, Eigen::Array<std::int32_t, Eigen::Dynamic, 3>&);
+template void Archive::array(std::string const&, Eigen::ArrayXd&);
+template void Archive::array(std::string const&, Eigen::ArrayXXd&);
+template void Archive::array(std::string const&, Eigen::ArrayX2d&);
+template void Archive::array(std::string const&, Eigen::ArrayX3d&);
+template void Archive::array(std::string const&, Field<2>&);
+template void Archive::array(std::string const&, Field<3>&);
+template void Archive::array(std::string const&, Field<2, std::int32_t>&);
+template void Archive::array(std::string const&, Field<3, std::int32_t>&);
 template void Archive::array(std::string const&, Eigen::Array<std::uint32_t, Eigen::Dynamic, 1>&);
 
 namespace {

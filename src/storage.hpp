@@ -33,8 +33,8 @@ public:
     void operator()(std::string const& name, std::string& value);
     void operator()(std::string const& name, std::vector<double>& values);
     void operator()(std::string const& name, std::vector<std::uint64_t>& values);
-    template <class Scalar, int columns>
-    void operator()(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns>& values) {
+    template <class Scalar, int columns, int options>
+    void operator()(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns, options>& values) {
         array(name, values);
     }
 
@@ -50,8 +50,8 @@ public:
     void commit();
 
 private:
-    template <class Scalar, int columns>
-    void array(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns>& values);
+    template <class Scalar, int columns, int options>
+    void array(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns, options>& values);
 
     struct File;
     std::unique_ptr<File> file_;

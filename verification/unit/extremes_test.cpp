@@ -280,7 +280,11 @@ BOOST_DATA_TEST_CASE(no_temperature, data::make(thermostats), thermostat) {
     BOOST_TEST((by_id(at_rest.particles, at_rest.particles.position) == position).all());
 }
 
-// Without friction every thermostat leaves velocity-Verlet: the energy error is bounded and of second order.
+// Without friction every thermostat leaves velocity-Verlet, whose energy error is of second order. The ratio of
+// the errors at two steps is 4 up to a factor of exp(+-0.24) in one run (60 seeds), of exp(+-0.08) from ten
+// starts; the bounds, orders 1.5 and 2.5, are more than four of these away. Over a long time the error walks at
+// random, since the force has a kink at the cutoff: after 2000 steps of 0.02 it was 0.5 to 6 kT in 24 runs of 192
+// particles, 0.3 % to 3 % of their energy's 3/2 kT each.
 BOOST_DATA_TEST_CASE(no_friction, data::make(thermostats), thermostat) {
     auto start = build<3>(scene({.thermostat = "shardlow"}), {});
     advance(start, 300);
@@ -300,13 +304,17 @@ BOOST_DATA_TEST_CASE(no_friction, data::make(thermostats), thermostat) {
         for (std::size_t k = begin; k < end; ++k) sum += squares[k] / double(end - begin);
         return std::sqrt(sum);
     };
-    double const coarse = root_mean(deviations(0.01, 400), 0, 400),
-                 fine = root_mean(deviations(0.005, 800), 0, 800);
-    BOOST_TEST(coarse / fine > 3.5);
-    BOOST_TEST(coarse / fine < 4.5);
     auto const lasting = deviations(0.02, 2000);
-    BOOST_TEST(root_mean(lasting, 1000, 2000) < 1.5 * root_mean(lasting, 0, 1000));
-    BOOST_TEST(root_mean(lasting, 0, 2000) < 1e-2 * 192.0);
+    std::vector<double> coarse, fine;
+    for (int another = 0; another < 10; ++another) {
+        for (double const square : deviations(0.01, 40)) coarse.push_back(square);
+        for (double const square : deviations(0.005, 80)) fine.push_back(square);
+        advance(start, 100);
+    }
+    double const ratio = root_mean(coarse, 0, coarse.size()) / root_mean(fine, 0, fine.size());
+    BOOST_TEST(ratio > std::pow(2.0, 1.5));
+    BOOST_TEST(ratio < std::pow(2.0, 2.5));
+    BOOST_TEST(root_mean(lasting, 0, 2000) < 0.05 * 1.5 * 192.0);
 }
 
 // --- the time step ---------------------------------------------------------------------------------------

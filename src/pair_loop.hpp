@@ -1,0 +1,74 @@
+/// @file
+/// How stages work through the pairs of a list.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <type_traits>
+
+#include "box.hpp"
+#include "pairs.hpp"
+#include "wide.hpp"
+
+namespace dpd {
+
+/// Pairs are worked through in blocks, few enough that what one loop leaves for the next stays in the
+/// processor's nearest cache.
+inline constexpr std::size_t block_size = 256;
+
+struct PairBlock {
+    std::size_t begin, end;
+    std::size_t size() const { return end - begin; }
+};
+
+template <int d, class Work>
+void for_each_block(PairList<d> const& pairs, Work&& work) {
+    for (std::size_t begin = 0; begin < pairs.count; begin += block_size)
+        work(PairBlock{begin, std::min(begin + block_size, pairs.count)});
+}
+
+/// The columns of a pair list by their addresses, which a loop then keeps in registers.
+template <int d>
+struct PairView {
+    std::uint32_t const *i, *j;
+    std::array<double const*, d> unit;
+    double const* distance;
+    double* impulse;
+    explicit PairView(PairList<d>& pairs)
+        : i(pairs.i.data()),
+          j(pairs.j.data()),
+          distance(pairs.distance.data()),
+          impulse(pairs.impulse.data()) {
+        for (std::size_t axis = 0; axis < d; ++axis) unit[axis] = pairs.unit[axis].data();
+    }
+};
+
+/// Where the rows of a pair begin in a field, and its direction.
+template <int d>
+struct PairRows {
+    std::size_t i, j;
+    std::array<double, d> e;
+    PairRows(PairView<d> const& pairs, std::size_t k)
+        : i(d * std::size_t{pairs.i[k]}), j(d * std::size_t{pairs.j[k]}) {
+        for (std::size_t axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
+    }
+};
+
+/// Calls visit(k, speed) for every pair of the block, where `speed` is that of j's image along x: zero, known
+/// at compile time, except across a sheared boundary.
+template <int d, class Visit>
+[[gnu::always_inline]] inline void for_each_pair(PairList<d> const& pairs, Box<d> const& box, PairBlock block,
+                                                 Visit&& visit) {
+    double const speed = box.image_speed();
+    auto crossing = std::lower_bound(pairs.crossing.begin(), pairs.crossing.end(), block.begin);
+    for (std::size_t k = block.begin; k < block.end;) {
+        std::size_t const stop =
+            crossing == pairs.crossing.end() ? block.end : std::min<std::size_t>(*crossing, block.end);
+        for (; k < stop; ++k) visit(k, std::integral_constant<int, 0>{});
+        for (; k < block.end && crossing != pairs.crossing.end() && *crossing == k; ++crossing)
+            visit(k++, speed);
+    }
+}
+
+}  // namespace dpd
