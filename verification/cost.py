@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """What a scene costs, feature by feature: time, counters and memory per particle, as a Markdown table.
 
-usage: cost.py DPDREF     the table
-       cost.py OLD NEW    two builds, run in turn: NEW's time over OLD's, and whether they did the same
+usage: cost.py DPDREF              the table
+       cost.py DPDREF --scaling    the soft fluid with S1 from 3000 to 3 million particles, and at three densities
+       cost.py OLD NEW             two builds, run in turn: NEW's time over OLD's, and whether they did the same
 
 Times are CPU times of whole processes, the median of the repetitions and their range. All scenes take their turn
 before one is repeated, so that a slow minute of the machine falls on all. The counters are exact. Python's
@@ -63,6 +64,17 @@ LADDER = [
 ]
 
 
+def fluid(number, density, steps):
+    side = round((number / density) ** (1 / 3), 6)
+    return scene("shardlow verlet", f"box.length=[{side}, {side}, {side}]", f"particles.density={number / side ** 3:.12g}",
+                 steps=steps)
+
+
+# (what, particles, density); what it costs to start is left out: the difference of a long and a short run counts
+SCALING = [(f"{number:,} particles", number, 3) for number in (3000, 30000, 300000, 3000000)] + \
+          [(f"24,000 particles, density {density}", 24000, density) for density in (1, 3, 10)]
+
+
 def run(program, assignments):
     """(what --json prints, CPU seconds); nothing where the program does not know the scene"""
     command = [program, "run", str(SCENE), "--json", *(word for a in assignments for word in ("--set", a))]
@@ -99,12 +111,30 @@ def ratio_row(name, runs, older):
     return f"| {name} | {middle_and_range(ratios, 3)} | {'same' if same else 'differ'} |"
 
 
+def scaling_row(program, name, number, density, repetitions):
+    steps = max(10, 6000000 // number)
+    costs = []
+    for _ in range(repetitions):
+        (result, long), (_, short) = (run(program, fluid(number, density, count)) for count in (2 * steps, steps))
+        costs.append(1e9 * (long - short) / (steps * number))
+    found = result["counters"]["pairs_found"] / (2 * steps * number)
+    per_pair = statistics.median(costs) / found
+    return f"| {name} | {middle_and_range(costs, 0)} | {found:.2f} | {per_pair:.1f} | {result['bytes'] / number:.0f} |"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program", nargs="+", help="dpdref; or two builds of it, the older first")
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--only", default="", metavar="TEXT", help="scenes whose name contains it")
+    parser.add_argument("--scaling", action="store_true")
     arguments = parser.parse_args()
+    if arguments.scaling:
+        print("| scene | ns | range | pairs | ns per pair | bytes |\n|---|---|---|---|---|---|")
+        for name, number, density in SCALING:
+            if arguments.only in name:
+                print(scaling_row(arguments.program[-1], name, number, density, arguments.repetitions), flush=True)
+        return
     chosen = [(name, assignments) for name, assignments in LADDER if arguments.only in name]
     results = [{name: [] for name, _ in chosen} for _ in arguments.program]
     for _ in range(arguments.repetitions):

@@ -3,12 +3,17 @@
 /// (seconds, printed in ns) is the one to compare.
 #include <benchmark/benchmark.h>
 
+#include <array>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <numeric>
 #include <string>
 #include <vector>
 
 #include "run.hpp"
 #include "stages.hpp"
+#include "wide.hpp"
 
 namespace {
 
@@ -59,6 +64,16 @@ Simulation<3> soft_fluid(std::string const& stages, std::string const& tables) {
         {});
 }
 
+// The same with one force step of 0.02: the fluid of the race.
+Simulation<3> race_fluid() {
+    return build<3>(
+        parse_scene("dimension = 3\nstages = ['shardlow', 'verlet']\n[box]\nlength = [20, 20, 20]\n"
+                    "[particles]\ndensity = 3\n[time]\nstep = 0.02\nduration = 1\n[verlet.soft]\n"
+                    "strength = 25\n[shardlow]\nfriction = 4.5\nweight = 'quadratic'\n",
+                    "benchmark"),
+        {});
+}
+
 // Runs `part` on a warm simulation.
 template <int d, class Part>
 void run(benchmark::State& state, Simulation<d> simulation, Part part) {
@@ -77,6 +92,12 @@ constexpr auto whole_step = [](auto& simulation) { simulation.advance(); };
 constexpr auto pair_search = [](auto& simulation) {
     simulation.positions_changed();
     benchmark::DoNotOptimize(simulation.pairs().count);
+};
+
+// The forces, on pairs that are found already.
+constexpr auto forces_alone = [](auto& simulation) {
+    simulation.force.setZero();
+    benchmark::DoNotOptimize(add_forces(simulation, Soft{25.0, 1.0}, simulation.force));
 };
 
 // The thermostat with its noise, on pairs that are found already.
@@ -101,6 +122,80 @@ void noise_batch(benchmark::State& state, Simulation<3> simulation) {
 
 BENCHMARK_CAPTURE(noise_batch, , ideal_gas(Thermostat::shardlow, 0.0));
 
+// What a pair of the soft fluid with S1 cannot do without, for pairs that are known and particles that stay
+// in the nearest cache: its separation, a normal variate, the coefficients, the update of two velocities, the
+// force.
+void unavoidable(benchmark::State& state) {
+    constexpr std::size_t particles = 64, pairs = 256;
+    constexpr double rate = 4.5 * 0.02;
+    std::array<std::uint32_t, particles> id;
+    std::iota(id.begin(), id.end(), 0u);
+    std::array<std::uint32_t, pairs> i, j;
+    std::array<double, 3 * particles> position, velocity{}, force{};
+    for (std::size_t c = 0; c < position.size(); ++c) position[c] = 0.5 * uniform({}, std::uint32_t(c), 0);
+    // so that one pair's particles are not the next one's
+    for (std::size_t k = 0; k < pairs; ++k) {
+        i[k] = std::uint32_t(k % particles);
+        j[k] = std::uint32_t((k + 5 + 8 * (k / particles)) % particles);
+    }
+    std::array<std::array<double, pairs>, 3> e;
+    std::array<double, pairs> a, noise, f;
+    std::uint64_t step = 0;
+    for (auto iteration : state) {
+        static_cast<void>(iteration);
+        pair_normals({1, ++step, 0}, i, j, id.data(), noise);
+        for (std::size_t k = 0; k < pairs; ++k)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                e[axis][k] = position[3 * i[k] + axis] - position[3 * j[k] + axis];
+        wide_loop(pairs, [x = e[0].data(), y = e[1].data(), z = e[2].data(), a = a.data(),
+                          noise = noise.data(), f = f.data()](std::size_t k) {
+            double const r = std::sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]), inverse = 1.0 / r;
+            x[k] *= inverse;
+            y[k] *= inverse;
+            z[k] *= inverse;
+            a[k] = update_a<Scheme::shardlow>(rate * weight_at<Weight::quadratic>(r));
+            noise[k] *= update_b(a[k], 1.0) * std::numbers::sqrt2;
+            f[k] = 25.0 * (1.0 - r);
+        });
+        for (std::size_t k = 0; k < pairs; ++k) {
+            std::size_t const from = 3 * std::size_t{i[k]}, to = 3 * std::size_t{j[k]};
+            double approach = 0.0;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                approach += (velocity[from + axis] - velocity[to + axis]) * e[axis][k];
+            double const change = noise[k] - a[k] * approach;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                velocity[from + axis] += change * e[axis][k];
+                velocity[to + axis] -= change * e[axis][k];
+            }
+        }
+        for (std::size_t k = 0; k < pairs; ++k)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                force[3 * i[k] + axis] += f[k] * e[axis][k];
+                force[3 * j[k] + axis] -= f[k] * e[axis][k];
+            }
+        benchmark::DoNotOptimize(velocity.data());
+        benchmark::DoNotOptimize(force.data());
+        benchmark::ClobberMemory();
+    }
+    state.counters["per_pair"] = benchmark::Counter(
+        double(state.iterations()) * pairs, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+BENCHMARK(unavoidable);
+
+// What memory delivers to one core: an array far larger than the caches is read and written.
+void memory(benchmark::State& state) {
+    std::vector<double> array(std::size_t{1} << 25, 1.0);
+    for (auto iteration : state) {
+        static_cast<void>(iteration);
+        wide_loop(array.size(), [x = array.data()](std::size_t k) { x[k] *= 1.0000001; });
+        benchmark::ClobberMemory();
+    }
+    state.SetBytesProcessed(state.iterations() * std::int64_t(2 * sizeof(double) * array.size()));
+}
+
+BENCHMARK(memory);
+
 struct Register {
     Register() {
         auto const add = [](char const* name, auto make, auto part) {
@@ -123,6 +218,10 @@ struct Register {
             whole_step);
         add("step/soft_ten_substeps/lowe", soft("'lowe', 'verlet'", "[lowe]\nrate = 1\n"), whole_step);
         add("step/soft_ten_substeps/rescale", soft("'rescale', 'verlet'", "[rescale]\n"), whole_step);
+        add("fluid/step", race_fluid, whole_step);
+        add("fluid/pair_search", race_fluid, pair_search);
+        add("fluid/thermostat", race_fluid, thermostat);
+        add("fluid/forces", race_fluid, forces_alone);
         add("pair_search", shardlow, pair_search);
         add("pair_search/sheared", shardlow_sheared, pair_search);
         add("thermostat/shardlow", shardlow, thermostat);
