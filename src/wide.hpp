@@ -4,16 +4,18 @@
 
 #include <cstddef>
 
+/// @cond
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define DPDREF_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define DPDREF_WIDE
 #endif
+/// @endcond
 
 namespace dpd {
 
 /// Calls work(k) for k = 0 .. count-1; no call may need what another has written. Compiled once for each of
-/// these instruction sets, of which the program chooses one when it starts: all do the same operations on
+/// three instruction sets, of which the program chooses one when it starts: all do the same operations on
 /// every k, so all give the same bits.
 template <class Work>
 DPDREF_WIDE void wide_loop(std::size_t count, Work work) {
