@@ -280,11 +280,11 @@ BOOST_DATA_TEST_CASE(no_temperature, data::make(thermostats), thermostat) {
     BOOST_TEST((by_id(at_rest.particles, at_rest.particles.position) == position).all());
 }
 
-// Without friction every thermostat leaves velocity-Verlet, whose energy error is of second order. The ratio of
-// the errors at two steps is 4 up to a factor of exp(+-0.24) in one run (60 seeds), of exp(+-0.08) from ten
-// starts; the bounds, orders 1.5 and 2.5, are more than four of these away. Over a long time the error walks at
-// random: its root mean square over 1000 steps of 0.02 was 0.5 to 8.5 kT in 24 runs of 2000 steps, 0.2 to 3 % of
-// the kinetic energy of the 192 particles.
+// Without friction every thermostat leaves velocity-Verlet, whose energy error is of second order. The ratio
+// of the errors at two steps is 4 up to a factor of exp(+-0.24) in one run (60 seeds), of exp(+-0.08) from
+// ten starts; the bounds, orders 1.5 and 2.5, are more than four of these away. Over a long time the error
+// walks at random: its root mean square over 1000 steps of 0.02 was 0.5 to 8.5 kT in 24 runs of 2000 steps,
+// 0.2 to 3 % of the kinetic energy of the 192 particles.
 BOOST_DATA_TEST_CASE(no_friction, data::make(thermostats), thermostat) {
     auto start = build<3>(scene({.thermostat = "shardlow"}), {});
     advance(start, 300);
