@@ -8,6 +8,7 @@
 #include <concepts>
 #include <mutex>
 #include <type_traits>
+#include <utility>
 
 #include "errors.hpp"
 #include "particles.hpp"
@@ -154,22 +155,27 @@ void Archive::operator()(std::string const& name, std::vector<std::uint64_t>& va
     guarded(path_, reading() ? "read" : "write", [&] { vector_io(file_->h5, reading(), name, values); });
 }
 
-// The data set's rows are what is contiguous in memory: Eigen's columns, or its rows where it stores by row.
+// Transposed, whatever the array's own layout: a file does not tell how its writer kept an array in memory.
 template <class Scalar, int columns, int options>
 void Archive::array(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns, options>& values) {
+    Eigen::Array<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor> by_column;
     guarded(path_, reading() ? "read" : "write", [&] {
         if (reading()) {
             H5::DataSet const set = file_->h5.openDataSet(name);
             hsize_t size[2];
             set.getSpace().getSimpleExtentDims(size);
-            if constexpr (options & Eigen::RowMajor) std::swap(size[0], size[1]);
-            values.resize(static_cast<Eigen::Index>(size[1]), static_cast<Eigen::Index>(size[0]));
-            if (values.size() > 0) set.read(values.data(), type_of<Scalar>());
+            if (columns != Eigen::Dynamic && std::cmp_not_equal(size[0], columns))
+                throw InputError(fmt::format("{}: {} has {} columns; allowed: {}", path_.string(), name,
+                                             size[0], columns));
+            by_column.resize(static_cast<Eigen::Index>(size[1]), static_cast<Eigen::Index>(size[0]));
+            if (by_column.size() > 0) set.read(by_column.data(), type_of<Scalar>());
+            values = by_column;
         } else {
-            hsize_t size[2] = {static_cast<hsize_t>(values.cols()), static_cast<hsize_t>(values.rows())};
-            if constexpr (options & Eigen::RowMajor) std::swap(size[0], size[1]);
+            by_column = values;
+            hsize_t const size[2] = {static_cast<hsize_t>(values.cols()),
+                                     static_cast<hsize_t>(values.rows())};
             H5::DataSet const set = create(file_->h5, name, type_of<Scalar>(), H5::DataSpace(2, size));
-            if (values.size() > 0) set.write(values.data(), type_of<Scalar>());
+            if (by_column.size() > 0) set.write(by_column.data(), type_of<Scalar>());
         }
     });
 }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "errors.hpp"
+#include "particles.hpp"
 #include "scene.hpp"
 #include "storage.hpp"
 
@@ -223,6 +224,30 @@ observables = ["kinetic_temperature"]
 BOOST_FIXTURE_TEST_SUITE(runs, Fixture)
 
 // --- exact resume ----------------------------------------------------------------------------------------
+
+// Files outlive engines: an array looks the same in a file however it is kept in memory.
+BOOST_AUTO_TEST_CASE(a_file_does_not_tell_the_memory_layout) {
+    Eigen::ArrayX3d by_column(4, 3);
+    by_column << 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12;
+    Field<3> by_row = by_column, read_by_row;
+    Eigen::ArrayX3d read_by_column;
+    {
+        Archive archive(directory / "layout.h5", Archive::Mode::write);
+        archive("column", by_column);
+        archive("row", by_row);
+        archive.commit();
+    }
+    Archive archive(directory / "layout.h5", Archive::Mode::read);
+    archive("column", read_by_row);
+    archive("row", read_by_column);
+    BOOST_TEST((read_by_row == by_row).all());
+    BOOST_TEST((read_by_column == by_column).all());
+
+    Field<2> flat;
+    BOOST_CHECK_EXCEPTION(archive("row", flat), InputError, [](InputError const& error) {
+        return std::string(error.what()).ends_with("row has 3 columns; allowed: 2");
+    });
+}
 
 BOOST_AUTO_TEST_CASE(interrupted_after_every_step_gives_the_same_bits) {
     for (auto const& variant : variants()) BOOST_TEST_CONTEXT(name_of(variant)) {
