@@ -409,7 +409,7 @@ Figure measured(Figure const& planned, Results const& results, double fraction) 
     return figure;
 }
 
-bool run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
+std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
     std::filesystem::create_directories(options.cache);
     // scenes that several points share run once
     std::map<std::string, Scene const*> scenes;
@@ -427,15 +427,20 @@ bool run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
              }});
     }
     std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
-    if (!do_jobs("figures", std::move(jobs), options)) return false;
+    if (!do_jobs("figures", std::move(jobs), options)) return {};
     Results results;
-    for (auto const& [key, result] : finished) results[key] = &result;
+    RunTime run_time;
+    for (auto const& [key, result] : finished) {
+        results[key] = &result;
+        ++run_time.runs;
+        run_time.seconds += result.seconds;
+    }
     for (auto& figure : figures) {
         auto convergence = converge(figure, results);
         figure = measured(figure, results);
         figure.convergence = std::move(convergence);
     }
-    return true;
+    return run_time;
 }
 
 namespace {
@@ -855,6 +860,28 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {
     return comparisons;
 }
 
+void write_run_time(RunTime const& run_time, std::string const& budget, std::filesystem::path const& output) {
+    Json const json{{"budget", budget}, {"runs", run_time.runs}, {"seconds", run_time.seconds}};
+    std::filesystem::create_directories(output);
+    write_file(output / "run_time.json", json.dump(1) + "\n");
+}
+
+namespace {
+
+void print_run_time(std::filesystem::path const& file) {
+    if (!std::filesystem::exists(file)) return;
+    try {
+        Json const json = Json::parse(read_file(file));
+        fmt::print("all figures at the {} budget: {} runs, {} on one core\n",
+                   json.at("budget").get<std::string>(), json.at("runs").get<std::size_t>(),
+                   duration_text(json.at("seconds")));
+    } catch (Json::exception const& error) {
+        throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+    }
+}
+
+}  // namespace
+
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
     std::string csv =
         "figure,curve,parameter,x,quantity,value,error,relation,theory,theory_value,deviation_percent,z,"
@@ -895,6 +922,7 @@ bool report(std::vector<Comparison> const& comparisons, std::filesystem::path co
         "{} comparisons: {} agree, {} disagree, {} undecided; false-alarm rate of the whole table {} %\n",
         comparisons.size(), count[Verdict::agrees], count[Verdict::disagrees], count[Verdict::undecided],
         100.0 * family_false_alarm);
+    print_run_time(output / "run_time.json");
     write_file(output / "report.csv", csv);
     write_file(output / "report.json", json.dump(1) + "\n");
     return count[Verdict::disagrees] == 0;

@@ -114,9 +114,15 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
 /// Ids of the figures that `verification` holds, sorted.
 std::vector<std::string> figure_ids(std::filesystem::path const& verification);
 
+/// What the runs of a campaign took, each run counted once, whenever it was done.
+struct RunTime {
+    std::size_t runs = 0;
+    double seconds = 0.0;  ///< of one core
+};
+
 /// Runs what the cache lacks, the longest runs first, `jobs` at a time. Throws the first error of a run.
-/// False if options name a shard: the figures are then as they were.
-bool run_points(std::vector<Figure>& figures, CampaignOptions const& options);
+/// Nothing if options name a shard: the figures are then as they were.
+std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options);
 
 /// Finished runs by the keys of their scenes.
 using Results = std::map<std::string, RunResult const*>;
@@ -150,7 +156,11 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
 /// The comparisons that write_figure left in `output`.
 std::vector<Comparison> load_comparisons(std::filesystem::path const& output);
 
-/// Prints the table of comparisons and writes report.csv and report.json to `output`. True if none disagrees.
+/// Writes the run time of all figures at a budget to `output`, for `report`.
+void write_run_time(RunTime const& run_time, std::string const& budget, std::filesystem::path const& output);
+
+/// Prints the table of comparisons, and the run time that `output` states, and writes report.csv and
+/// report.json to `output`. True if none disagrees.
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
 
 /// The closed forms' parameters, by the names of the command line, as a scene has them.

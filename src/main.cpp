@@ -189,7 +189,9 @@ bool make_figures(std::filesystem::path const& verification, std::vector<std::st
                   std::string const& budget, dpd::CampaignOptions const& options) {
     std::vector<dpd::Figure> figures;
     for (auto const& id : ids) figures.push_back(dpd::load_figure(verification, id, budget));
-    if (!dpd::run_points(figures, options)) return true;
+    auto const run_time = dpd::run_points(figures, options);
+    if (!run_time) return true;
+    if (ids == dpd::figure_ids(verification)) dpd::write_run_time(*run_time, budget, options.output);
     std::vector<dpd::Comparison> all;
     for (auto const& figure : figures) {
         auto const comparisons = dpd::compare(figure);
