@@ -41,12 +41,6 @@ void append(std::vector<std::string>& to, std::vector<std::string> const& more) 
     to.insert(to.end(), more.begin(), more.end());
 }
 
-TomlReader required_table(TomlReader& reader, std::string const& key) {
-    auto table = reader.table(key);
-    if (!table) reader.fail(key, "is missing; allowed: a table");
-    return *table;
-}
-
 }  // namespace
 
 Answers load_answers(std::filesystem::path const& directory, std::string const& budget) {
@@ -54,13 +48,13 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
     toml::table const document = parse_toml(read_file(file), file.string());
     TomlReader root(document, "", file.string());
     std::ostringstream base;
-    base << required_table(root, "scene").raw();
+    base << root.required_table("scene").raw();
 
     Kind rest{.name = "at_rest", .settings = {}}, shear{.name = "sheared", .settings = {}},
         densities{.name = "densities", .settings = {}};
     double shear_rate = 0.0, change = 0.0;
     for (Kind* const kind : {&rest, &shear, &densities}) {
-        auto table = required_table(root, kind->name);
+        auto table = root.required_table(kind->name);
         kind->duration = table.number("duration", std::nullopt, positive);
         kind->interval = table.number("sample_interval", std::nullopt, positive);
         if (kind == &rest)
@@ -70,15 +64,15 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
         kind->settings = settings_of(table, "settings");
         table.finish();
     }
-    auto interacting_table = required_table(root, "interacting");
+    auto interacting_table = root.required_table("interacting");
     auto const interacting_settings = settings_of(interacting_table, "settings");
     interacting_table.finish();
 
     std::uint64_t seeds = 1;
     double scale = 1.0;
-    auto budgets = required_table(root, "budget");
+    auto budgets = root.required_table("budget");
     for (char const* const name : {"quick", "paper"}) {
-        auto table = required_table(budgets, name);
+        auto table = budgets.required_table(name);
         auto const its_seeds = table.integer("seeds", std::nullopt, positive_integer);
         double const its_scale = table.number("duration_scale", 1.0, positive);
         table.finish();

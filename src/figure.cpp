@@ -198,29 +198,26 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
     figure.number = root.text("figure", std::nullopt);
     figure.title = root.text("title", std::nullopt);
     figure.caption = root.text("caption", std::nullopt);
-    auto const base = root.table("scene");
-    if (!base) root.fail("scene", "is missing; allowed: a table [scene]");
+    auto const base = root.required_table("scene");
 
     std::uint64_t seeds = 0;
     double duration_scale = 1.0, equilibration_scale = 1.0;
     toml::table budget_settings;
-    auto budget_tables = root.table("budget");
-    if (!budget_tables) root.fail("budget", "is missing; allowed: tables [budget.quick] and [budget.paper]");
+    auto budget_tables = root.required_table("budget");
     for (auto const name : budgets) {
-        auto table = budget_tables->table(std::string(name));
-        if (!table) budget_tables->fail(std::string(name), "is missing; allowed: a table");
-        std::uint64_t const count = table->integer("seeds", std::nullopt, positive_integer);
-        double const scale = table->number("duration_scale", 1.0, positive);
-        double const start_scale = table->number("equilibration_scale", 1.0, positive);
-        auto settings = table->table("set");
-        table->finish();
+        auto table = budget_tables.required_table(std::string(name));
+        std::uint64_t const count = table.integer("seeds", std::nullopt, positive_integer);
+        double const scale = table.number("duration_scale", 1.0, positive);
+        double const start_scale = table.number("equilibration_scale", 1.0, positive);
+        auto settings = table.table("set");
+        table.finish();
         if (name != budget) continue;
         seeds = count;
         duration_scale = scale;
         equilibration_scale = start_scale;
         if (settings) budget_settings = settings->raw();
     }
-    budget_tables->finish();
+    budget_tables.finish();
 
     for (auto& table : root.tables("curve")) {
         FigureCurve curve;
@@ -252,7 +249,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         table.finish();
         for (std::size_t v = 0; v < values.size(); ++v) {
             if (budget == "quick" && std::find(skip.begin(), skip.end(), values[v]) != skip.end()) continue;
-            toml::table scene = base->raw();
+            toml::table scene = base.raw();
             apply(scene, budget_settings, std::nullopt, path.string());
             if (settings) apply(scene, settings->raw(), std::nullopt, path.string());
             if (along) apply(scene, along->raw(), v, path.string());
@@ -872,7 +869,7 @@ void print_run_time(std::filesystem::path const& file) {
     if (!std::filesystem::exists(file)) return;
     try {
         Json const json = Json::parse(read_file(file));
-        fmt::print("all figures at the {} budget: {} runs, {} on one core\n",
+        fmt::print("run time of the {} budget: {} runs, {} on one core\n",
                    json.at("budget").get<std::string>(), json.at("runs").get<std::size_t>(),
                    duration_text(json.at("seconds")));
     } catch (Json::exception const& error) {
@@ -923,6 +920,7 @@ bool report(std::vector<Comparison> const& comparisons, std::filesystem::path co
         comparisons.size(), count[Verdict::agrees], count[Verdict::disagrees], count[Verdict::undecided],
         100.0 * family_false_alarm);
     print_run_time(output / "run_time.json");
+    print_run_time(output / "quick" / "run_time.json");
     write_file(output / "report.csv", csv);
     write_file(output / "report.json", json.dump(1) + "\n");
     return count[Verdict::disagrees] == 0;

@@ -159,8 +159,8 @@ std::vector<Comparison> load_comparisons(std::filesystem::path const& output);
 /// Writes the run time of all figures at a budget to `output`, for `report`.
 void write_run_time(RunTime const& run_time, std::string const& budget, std::filesystem::path const& output);
 
-/// Prints the table of comparisons, and the run time that `output` states, and writes report.csv and
-/// report.json to `output`. True if none disagrees.
+/// Prints the table of comparisons, and the run times that run_time.json in `output` and in its `quick`
+/// state, and writes report.csv and report.json to `output`. True if none disagrees.
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
 
 /// The closed forms' parameters, by the names of the command line, as a scene has them.

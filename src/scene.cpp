@@ -457,8 +457,9 @@ void check_stages(Scene const& scene, TomlReader const& root) {
     if (scene.has_potential() && scene.sample.stress && scene.equilibration_steps == 0)
         root.fail("time", "has no equilibration; allowed with a potential and stress: at least one step");
     if (scene.sample.friction_stress && !has_pair_thermostat && !scene.has_stage("modified_verlet"))
-        root.fail("stages",
-                  "have no friction_stress to sample; allowed: with shardlow, lowe, euler or modified_verlet");
+        root.fail(
+            "stages",
+            "have no friction_stress to sample; allowed: with shardlow, lowe, euler or modified_verlet");
     if (scene.wall_strength && !std::holds_alternative<Soft>(scene.potential))
         root.fail("walls", "have a strength without a soft potential; allowed: no strength");
     if (scene.wall > 0.0 && scene.body_force.opposed)
@@ -501,10 +502,6 @@ void check_stages(Scene const& scene, TomlReader const& root) {
 
 Scene read_scene(toml::table const& table, std::string const& name) {
     TomlReader root(table, "", name);
-    auto const required = [&](std::string const& key) {
-        if (!root.has(key)) root.fail(key, fmt::format("is missing; allowed: a table [{}]", key));
-        return *root.table(key);
-    };
     Scene scene;
     scene.title = root.text("title", "");
     scene.dimension = static_cast<int>(
@@ -516,15 +513,16 @@ Scene read_scene(toml::table const& table, std::string const& name) {
     if (auto reader = root.table("coarse_graining")) read_coarse_graining(scene, *reader);
     toml::table const no_table;
     bool const mapped = has_mapped_sides(scene);
-    read_box(scene, mapped && !root.has("box") ? TomlReader(no_table, "box.", name) : required("box"));
+    read_box(scene,
+             mapped && !root.has("box") ? TomlReader(no_table, "box.", name) : root.required_table("box"));
     if (auto reader = root.table("walls")) read_walls(scene, *reader);
-    read_particles(scene, required("particles"));
-    read_time(scene, required("time"));
+    read_particles(scene, root.required_table("particles"));
+    read_time(scene, root.required_table("time"));
     read_stage_parameters(scene, root);
     if (scene.coarse_graining) set_coarse_graining(scene, root);
     for (double const side : scene.length)
         if (side < 2.0 * scene.cutoff())
-            (mapped ? *root.table("coarse_graining") : required("box"))
+            (mapped ? *root.table("coarse_graining") : root.required_table("box"))
                 .fail("length", fmt::format("{} is too small; allowed: at least two cutoffs, {}", side,
                                             2.0 * scene.cutoff()));
     if (auto reader = root.table("sample")) {

@@ -363,9 +363,7 @@ Integrator read_integrator(TomlReader& table) {
     integrator.largest_friction_step = table.has("largest_friction_step")
                                            ? table.number("largest_friction_step", std::nullopt, positive)
                                            : infinity;
-    auto const settings = table.table("settings");
-    if (!settings) table.fail("settings", "is missing; allowed: a table of scene keys");
-    integrator.settings = &settings->raw();
+    integrator.settings = &table.required_table("settings").raw();
     table.finish();
     return integrator;
 }
@@ -397,13 +395,8 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& path, std:
     std::string const file = path.string();
     toml::table const document = parse_toml(read_file(path), file);
     TomlReader root(document, "", file);
-    auto const required = [](TomlReader& reader, std::string const& key) {
-        auto table = reader.table(key);
-        if (!table) reader.fail(key, "is missing; allowed: a table");
-        return *table;
-    };
-    toml::table const& base = required(root, "scene").raw();
-    TomlReader start_reader = required(root, "start");
+    toml::table const& base = root.required_table("scene").raw();
+    TomlReader start_reader = root.required_table("start");
     Integrator const start = read_integrator(start_reader);
     std::array<std::string_view, weights.size()> names;
     std::transform(weights.begin(), weights.end(), names.begin(), [](auto const& w) { return w.name; });
@@ -411,9 +404,9 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& path, std:
 
     StepRange range;
     TrialLength length;
-    TomlReader budgets = required(root, "budget");
+    TomlReader budgets = root.required_table("budget");
     for (std::string const name : {"paper", "quick"}) {
-        TomlReader table = required(budgets, name);
+        TomlReader table = budgets.required_table(name);
         StepRange const r{.smallest = table.number("smallest", std::nullopt, positive),
                           .largest = table.number("largest", std::nullopt, positive),
                           .resolution = table.number("resolution", std::nullopt, positive)};

@@ -126,6 +126,12 @@ public:
         return TomlReader(*node->as_table(), path_ + key + ".", file_);
     }
 
+    /// A sub-table that must be there.
+    TomlReader required_table(std::string const& key) {
+        find(key, false, fmt::format("a table [{}{}]", path_, key));
+        return *table(key);
+    }
+
     /// All tables of an array of tables; empty if it is not there.
     std::vector<TomlReader> tables(std::string const& key) {
         std::vector<TomlReader> list;

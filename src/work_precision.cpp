@@ -48,31 +48,30 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
     toml::table const document = parse_toml(read_file(file), file.string());
     TomlReader root(document, "", file.string());
     std::string const title = root.text("title", std::nullopt);
-    auto const base = root.table("scene");
-    if (!base) root.fail("scene", "is missing; allowed: a table [scene]");
     std::ostringstream scene_text;
-    scene_text << base->raw();
+    scene_text << root.required_table("scene").raw();
 
     std::map<bool, Measurement> measurements;
     for (bool const sheared : {false, true}) {
-        auto table = root.table(sheared ? "sheared" : "at_rest");
-        if (!table) root.fail(sheared ? "sheared" : "at_rest", "is missing; allowed: a table");
+        auto table = root.required_table(sheared ? "sheared" : "at_rest");
         Measurement& m = measurements[sheared];
-        m.interval = table->number("sample_interval", std::nullopt, positive);
+        m.interval = table.number("sample_interval", std::nullopt, positive);
         if (!sheared)
-            m.radial_interval = table->number("radial_distribution_interval", std::nullopt, positive);
-        m.settings = settings_of(*table, "settings");
-        table->finish();
+            m.radial_interval = table.number("radial_distribution_interval", std::nullopt, positive);
+        m.settings = settings_of(table, "settings");
+        table.finish();
     }
-    double scale = 1.0;
-    auto budgets = root.table("budget");
-    if (!budgets) root.fail("budget", "is missing; allowed: tables [budget.quick] and [budget.paper]");
+    double scale = 1.0, smallest_step = 0.0;
+    auto budgets = root.required_table("budget");
     for (char const* name : {"quick", "paper"}) {
-        auto table = budgets->table(name);
-        if (!table) budgets->fail(name, "is missing; allowed: a table");
-        double const its_scale = table->number("duration_scale", 1.0, positive);
-        table->finish();
-        if (name == budget) scale = its_scale;
+        auto table = budgets.required_table(name);
+        double const its_scale = table.number("duration_scale", 1.0, positive),
+                     its_smallest = table.number("smallest_step", 0.0, non_negative);
+        table.finish();
+        if (name == budget) {
+            scale = its_scale;
+            smallest_step = its_smallest;
+        }
     }
     auto const definitions = find_above(file, "integrators.toml");
     if (!definitions)
@@ -86,14 +85,15 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
         study.title = fmt::format("{}: {}", title, fluid.text("title", std::nullopt));
         double const friction = fluid.number("friction", std::nullopt, non_negative),
                      repulsion = fluid.number("repulsion", std::nullopt, non_negative);
-        auto const steps = fluid.numbers("steps", std::nullopt, positive),
-                   reference_steps = fluid.numbers("reference_steps", std::nullopt, positive);
+        auto steps = fluid.numbers("steps", std::nullopt, positive);
+        auto const reference_steps = fluid.numbers("reference_steps", std::nullopt, positive);
         std::string const reference = fluid.text("reference", std::nullopt);
         double const duration = fluid.number("duration", std::nullopt, positive),
                      reference_duration = fluid.number("reference_duration", std::nullopt, positive);
         study.table_step = fluid.number("table_step", std::nullopt, positive);
+        std::erase_if(steps, [=](double step) { return step < smallest_step; });
         if (std::find(steps.begin(), steps.end(), study.table_step) == steps.end())
-            fluid.fail("table_step", "is none of the steps; allowed: one of them");
+            fluid.fail("table_step", "is none of the budget's steps; allowed: one of them");
         fluid.finish();
         auto const add = [&](Integrator const& integrator, double step, bool is_reference, bool sheared) {
             auto const& m = measurements.at(sheared);

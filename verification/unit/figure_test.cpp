@@ -566,7 +566,11 @@ BOOST_AUTO_TEST_CASE(points_share_runs_and_join_curves) {
                          "'shardlow.friction' = 2\n")),
         load(with_curves("[[curve]]\nname = 'again'\n" + vary + "[1]\n" + at_rest))};
     auto const cache = directory / "cache";
-    run_points(pair, {.cache = cache, .output = directory, .jobs = 2});
+    auto const run_time = run_points(pair, {.cache = cache, .output = directory, .jobs = 2});
+    BOOST_REQUIRE(run_time.has_value());
+    BOOST_TEST(run_time->runs == 2u * 5u);
+    BOOST_TEST(run_time->seconds <
+               pair[0].seconds + pair[1].seconds);  // a run that figures share counts once
     auto const count = [&] {
         return std::distance(std::filesystem::directory_iterator(cache),
                              std::filesystem::directory_iterator());

@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
@@ -238,6 +239,21 @@ BOOST_AUTO_TEST_CASE(a_small_study) {
     BOOST_TEST(text_of(options.output / "data" / "small.md").find("| viscosity |") != std::string::npos);
 }
 
+BOOST_AUTO_TEST_CASE(a_budget_leaves_out_small_steps) {
+    Directory const directory;
+    std::string text = study_text;
+    std::string const budget = "[budget.quick]\n";
+    text.insert(text.find(budget) + budget.size(), "smallest_step = 0.04\n");
+    directory.write("study.toml", text);
+    directory.write("integrators.toml", integrators_text);
+    for (auto const& [name, steps] : {std::pair{"quick", 2u}, std::pair{"paper", 3u}}) {
+        auto const studies = load_studies(directory.study(), name);
+        BOOST_TEST(studies.at(0).runs.size() == 2u * (steps + 2u + steps));
+        // those of the reference stay: step zero is extrapolated from them
+        BOOST_TEST(std::ranges::any_of(studies[0].runs, [](auto const& run) { return run.step == 0.02; }));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(mistakes_in_a_study_are_refused) {
     Directory const directory;
     std::string const good = study_text;
@@ -255,7 +271,9 @@ BOOST_AUTO_TEST_CASE(mistakes_in_a_study_are_refused) {
     check("reference = \"S1\"", "reference = \"S2\"", "S2 is no integrator; allowed: S1, Euler");
     check("friction = 4.5", "friction = -1", "friction: -1 is not allowed");
     check("steps = [0.02", "steps = [0.0", "steps");
-    check("table_step = 0.04", "table_step = 0.05", "table_step: is none of the steps");
+    check("table_step = 0.04", "table_step = 0.05", "table_step: is none of the budget's steps");
+    check("[budget.quick]\n", "[budget.quick]\nsmallest_step = 0.05\n", "table_step: is none of the budget's steps");
+    check("[budget.quick]\n", "[budget.quick]\nsmallest_step = -1\n", "smallest_step: -1 is not allowed");
     check("[budget.quick]\n", "[budget.fast]\n", "quick: is missing");
     check("title = \"Test\"", "title = \"Test\"\ncolour = 1", "colour: unknown key");
 }
