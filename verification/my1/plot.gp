@@ -13,6 +13,7 @@ plot for [n=1:4] lines index part(n, "", q) using 1:(1/$2) with lines lw 2 lc rg
      for [n=1:4] lines index part(n, "", frozen) using 1:(1/$2) with lines lw 1.5 dt 3 lc rgb colour[n] notitle, \
      for [n=1:4] data index part(n, "", q) using 1:(1/$2):($3/$2**2) with yerrorbars pt 7 ps 1 lw 1.5 lc rgb colour[n] title "n = ".word(names, n), \
      for [n=2:4] data index part(n, " edge", q) using 1:(1/$2) with points pt 7 ps 1 lw 1.5 lc rgb colour[n] notitle, \
+     data index part(4, " onset", q) using 1:(1/$2):($3/$2**2) with yerrorbars pt 7 ps 1 lw 1.5 lc rgb colour[4] notitle, \
      for [n=1:4] data index part(n, " chaos", q) using 1:(1/$2):($3/$2**2) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb colour[n] notitle, \
      data index "n=0.2 old momentum:".q using 1:(1/$2) with points pt 2 ps 1 lw 1.5 lc rgb black title "n = 0.2, old momentum", \
      data index "n=0.2 old momentum edge:".q using 1:(1/$2) with points pt 2 ps 1 lw 1.5 lc rgb black notitle, \
