@@ -19,6 +19,8 @@ namespace {
 
 using namespace dpd;
 
+constexpr double skin = 0.3;
+
 enum class Thermostat { shardlow, euler };
 
 // The ideal gas of NG2007: n* = 3 in 3D, gamma = 4.5, m = kT = rc = 1.
@@ -74,6 +76,16 @@ Simulation<3> race_fluid() {
         {});
 }
 
+// The Lennard-Jones liquid of the race.
+Simulation<3> race_liquid() {
+    return build<3>(
+        parse_scene("dimension = 3\nstages = ['verlet']\n[box]\nlength = [31.07, 31.07, 31.07]\n"
+                    "[particles]\nnumber = 24000\nstart = 'lattice'\nkT = 1\n[time]\nstep = 0.005\n"
+                    "duration = 1\n[verlet.lennard_jones]\ncutoff = 2.5\n",
+                    "benchmark"),
+        {});
+}
+
 // Runs `part` on a warm simulation.
 template <int d, class Part>
 void run(benchmark::State& state, Simulation<d> simulation, Part part) {
@@ -94,6 +106,15 @@ constexpr auto pair_search = [](auto& simulation) {
     benchmark::DoNotOptimize(simulation.pairs().count);
 };
 
+// The same with a skin: what it costs to make a list that lasts for some steps.
+constexpr auto skin_search = [](auto& simulation) {
+    static PairList<3> list;
+    simulation.pair_search.cutoff += skin;
+    simulation.pair_search.find(simulation.particles, simulation.box, simulation.time, {}, list);
+    simulation.pair_search.cutoff -= skin;
+    benchmark::DoNotOptimize(list.count);
+};
+
 // The forces, on pairs that are found already.
 constexpr auto forces_alone = [](auto& simulation) {
     simulation.force.setZero();
@@ -104,6 +125,53 @@ constexpr auto forces_alone = [](auto& simulation) {
 constexpr auto thermostat = [](auto& simulation) {
     simulation.stages.front().act(simulation, {simulation.seed, ++simulation.step, 0});
 };
+
+// What such a list costs in each step: separations of all it holds, and the pairs picked from them.
+void skin_pick(benchmark::State& state, Simulation<3> simulation) {
+    for (int warm_up = 0; warm_up < 50; ++warm_up) simulation.advance();
+    double const cutoff = simulation.pair_search.cutoff;
+    PairList<3> list, pairs;
+    simulation.pair_search.cutoff += skin;
+    simulation.pair_search.find(simulation.particles, simulation.box, simulation.time, {}, list);
+    pairs.grow_to(list.count);
+    constexpr std::size_t block = 256;
+    std::array<std::array<double, block + simd::widest>, 4> scratch;
+    auto& [x, y, z, distance] = scratch;
+    simd::Geometry<3> geometry{{}, {}, cutoff * cutoff};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        geometry.period[axis] = simulation.box.length[Eigen::Index(axis)];
+    double const* const position = simulation.particles.position.data();
+    for (auto iteration : state) {
+        static_cast<void>(iteration);
+        pairs.clear();
+        for (std::size_t begin = 0; begin < list.count; begin += block) {
+            std::size_t const size = std::min(block, list.count - begin);
+            std::uint32_t const *const i = list.i.data() + begin, *const j = list.j.data() + begin;
+            for (std::size_t k = 0; k < size; ++k)
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    scratch[axis][k] =
+                        position[3 * std::size_t{i[k]} + axis] - position[3 * std::size_t{j[k]} + axis];
+            simd::normalize(geometry,
+                            simd::PairColumns<3>{size, {x.data(), y.data(), z.data()}, distance.data()});
+            for (std::size_t k = 0; k < size; ++k) {  // what is no pair is written over by the next
+                pairs.i[pairs.count] = i[k];
+                pairs.j[pairs.count] = j[k];
+                for (std::size_t axis = 0; axis < 3; ++axis) pairs.unit[axis][pairs.count] = scratch[axis][k];
+                pairs.distance[pairs.count] = distance[k];
+                pairs.count += distance[k] > 0.0 && distance[k] < cutoff;
+            }
+        }
+        benchmark::DoNotOptimize(pairs.count);
+    }
+    auto const updates = double(state.iterations()) * double(simulation.particles.size());
+    state.counters["per_particle_step"] =
+        benchmark::Counter(updates, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["listed"] = double(list.count) / double(simulation.particles.size());
+    state.counters["pairs"] = double(pairs.count) / double(simulation.particles.size());
+}
+
+BENCHMARK_CAPTURE(skin_pick, fluid, race_fluid());
+BENCHMARK_CAPTURE(skin_pick, liquid, race_liquid());
 
 void noise_batch(benchmark::State& state, Simulation<3> simulation) {
     simulation.advance();
@@ -222,6 +290,10 @@ struct Register {
         add("fluid/pair_search", race_fluid, pair_search);
         add("fluid/thermostat", race_fluid, thermostat);
         add("fluid/forces", race_fluid, forces_alone);
+        add("skin_search/fluid", race_fluid, skin_search);
+        add("liquid/step", race_liquid, whole_step);
+        add("liquid/pair_search", race_liquid, pair_search);
+        add("skin_search/liquid", race_liquid, skin_search);
         add("pair_search", shardlow, pair_search);
         add("pair_search/sheared", shardlow_sheared, pair_search);
         add("thermostat/shardlow", shardlow, thermostat);
