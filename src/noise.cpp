@@ -37,51 +37,67 @@ using Lanes = hn::Vec<D>;
 template <class D>
 using BitLanes = hn::Vec<hn::RebindToUnsigned<D>>;
 
+// Vectors that are worked on at once: a polynomial or a cipher is a chain, and each waits for its own alone.
+inline constexpr std::size_t streams = 4;
+
 // c[0] + c[1] x + c[2] x^2 + ...
-template <class D, std::size_t terms>
-HWY_INLINE Lanes<D> polynomial(D d, std::array<double, terms> const& c, Lanes<D> x) {
-    auto sum = hn::Set(d, c[terms - 1]);
-    for (std::size_t k = terms - 1; k-- > 0;) sum = hn::Add(hn::Mul(sum, x), hn::Set(d, c[k]));
+template <class D, std::size_t terms, std::size_t n>
+HWY_INLINE std::array<Lanes<D>, n> polynomial(D d, std::array<double, terms> const& c,
+                                              std::array<Lanes<D>, n> const& x) {
+    std::array<Lanes<D>, n> sum;
+    for (auto& s : sum) s = hn::Set(d, c[terms - 1]);
+    for (std::size_t k = terms - 1; k-- > 0;)
+        for (std::size_t v = 0; v < n; ++v) sum[v] = hn::Add(hn::Mul(sum[v], x[v]), hn::Set(d, c[k]));
     return sum;
 }
 
 // ln u for 2^-52 <= u <= 1, to 3 units in the last place: u = 2^e m with m in [sqrt(1/2), sqrt(2)), and
 // ln m = 2 artanh s = 2s (1 + s^2/3 + s^4/5 + ...) with s = (m-1)/(m+1), |s| < 0.172; the series is cut
 // where its terms fall below 2^-55.
-template <class D>
-HWY_INLINE Lanes<D> logarithm(D d, Lanes<D> u) {
+template <class D, std::size_t n>
+HWY_INLINE std::array<Lanes<D>, n> logarithm(D d, std::array<Lanes<D>, n> const& u) {
     hn::RebindToUnsigned<D> const bits;
     static constexpr std::array<double, 10> artanh{1.0,      1.0 / 3,  1.0 / 5,  1.0 / 7,  1.0 / 9,
                                                    1.0 / 11, 1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19};
     auto const one = hn::BitCast(bits, hn::Set(d, 1.0));
     auto const root_half = hn::BitCast(bits, hn::Set(d, 0.5 * std::numbers::sqrt2));
-    auto const shifted = hn::Add(hn::BitCast(bits, u), hn::Sub(one, root_half));
-    auto const fraction = hn::And(shifted, hn::Set(bits, (std::uint64_t{1} << 52) - 1));
-    auto const m = hn::BitCast(d, hn::Add(fraction, root_half));
-    // the biased exponent, an integer, becomes a double as the fraction of 2^52
-    auto const biased = hn::Or(hn::ShiftRight<52>(shifted), hn::BitCast(bits, hn::Set(d, 0x1p52)));
-    auto const e = hn::Sub(hn::BitCast(d, biased), hn::Set(d, 0x1p52 + 1023.0));
-
-    auto const s = hn::Div(hn::Sub(m, hn::Set(d, 1.0)), hn::Add(m, hn::Set(d, 1.0)));
-    auto const log_m = hn::Mul(hn::Add(s, s), polynomial(d, artanh, hn::Mul(s, s)));
-    return hn::Add(hn::Mul(e, hn::Set(d, std::numbers::ln2)), log_m);
+    std::array<Lanes<D>, n> e, s, squared;
+    for (std::size_t v = 0; v < n; ++v) {
+        auto const shifted = hn::Add(hn::BitCast(bits, u[v]), hn::Sub(one, root_half));
+        auto const fraction = hn::And(shifted, hn::Set(bits, (std::uint64_t{1} << 52) - 1));
+        auto const m = hn::BitCast(d, hn::Add(fraction, root_half));
+        // the biased exponent, an integer, becomes a double as the fraction of 2^52
+        auto const biased = hn::Or(hn::ShiftRight<52>(shifted), hn::BitCast(bits, hn::Set(d, 0x1p52)));
+        e[v] = hn::Sub(hn::BitCast(d, biased), hn::Set(d, 0x1p52 + 1023.0));
+        s[v] = hn::Div(hn::Sub(m, hn::Set(d, 1.0)), hn::Add(m, hn::Set(d, 1.0)));
+        squared[v] = hn::Mul(s[v], s[v]);
+    }
+    auto log = polynomial(d, artanh, squared);
+    for (std::size_t v = 0; v < n; ++v)
+        log[v] = hn::Add(hn::Mul(e[v], hn::Set(d, std::numbers::ln2)), hn::Mul(hn::Add(s[v], s[v]), log[v]));
+    return log;
 }
 
 // sin(2 pi u) for |u| <= 1/4 by Taylor's series; the first term left out is below 1.3e-18, rounding below
 // 5e-16.
-template <class D>
-HWY_INLINE Lanes<D> sine_of_turn(D d, Lanes<D> u) {
+template <class D, std::size_t n>
+HWY_INLINE std::array<Lanes<D>, n> sine_of_turn(D d, std::array<Lanes<D>, n> const& u) {
     static constexpr auto taylor = [] {
         std::array<double, 11> c{};
         long double term = 2.0L * std::numbers::pi_v<long double>;
         for (std::size_t k = 0; k < c.size(); ++k) {
             c[k] = static_cast<double>(term);
-            auto const n = static_cast<long double>(2 * k + 2);
-            term *= -4.0L * std::numbers::pi_v<long double> * std::numbers::pi_v<long double> / (n * (n + 1));
+            auto const order = static_cast<long double>(2 * k + 2);
+            term *= -4.0L * std::numbers::pi_v<long double> * std::numbers::pi_v<long double> /
+                    (order * (order + 1));
         }
         return c;
     }();
-    return hn::Mul(u, polynomial(d, taylor, hn::Mul(u, u)));
+    std::array<Lanes<D>, n> squared;
+    for (std::size_t v = 0; v < n; ++v) squared[v] = hn::Mul(u[v], u[v]);
+    auto sine = polynomial(d, taylor, squared);
+    for (std::size_t v = 0; v < n; ++v) sine[v] = hn::Mul(u[v], sine[v]);
+    return sine;
 }
 
 // Lanes in [1, 2) whose 52 fraction bits are the upper ones of (high, low).
@@ -95,12 +111,19 @@ HWY_INLINE Lanes<D> one_to_two(D d, BitLanes<D> high, BitLanes<D> low) {
 
 // Box & Muller's first variate from 128 random bits, in the lower halves of the lanes of x; the second is not
 // used, since each pair has its own counter. |variate| <= 8.5.
-template <class D>
-HWY_INLINE Lanes<D> box_muller(D d, std::array<BitLanes<D>, 4> const& x) {
-    auto const radius = hn::Sub(hn::Set(d, 2.0), one_to_two(d, x[0], x[1]));  // in (0, 1]
-    auto const turn = hn::Sub(one_to_two(d, x[2], x[3]), hn::Set(d, 1.5));    // in [-1/2, 1/2)
-    auto const quarter = hn::Sub(hn::Set(d, 0.25), hn::Abs(turn));            // cos(2 pi turn) is its sine
-    return hn::Mul(hn::Sqrt(hn::Mul(hn::Set(d, -2.0), logarithm(d, radius))), sine_of_turn(d, quarter));
+template <class D, std::size_t n>
+HWY_INLINE std::array<Lanes<D>, n> box_muller(D d, std::array<std::array<BitLanes<D>, 4>, n> const& x) {
+    std::array<Lanes<D>, n> radius, quarter;
+    for (std::size_t v = 0; v < n; ++v) {
+        radius[v] = hn::Sub(hn::Set(d, 2.0), one_to_two(d, x[v][0], x[v][1]));        // in (0, 1]
+        auto const turn = hn::Sub(one_to_two(d, x[v][2], x[v][3]), hn::Set(d, 1.5));  // in [-1/2, 1/2)
+        quarter[v] = hn::Sub(hn::Set(d, 0.25), hn::Abs(turn));  // cos(2 pi turn) is its sine
+    }
+    auto const log = logarithm(d, radius);
+    auto variate = sine_of_turn(d, quarter);
+    for (std::size_t v = 0; v < n; ++v)
+        variate[v] = hn::Mul(hn::Sqrt(hn::Mul(hn::Set(d, -2.0), log[v])), variate[v]);
+    return variate;
 }
 
 // Products of the lower halves of the lanes.
@@ -115,9 +138,9 @@ HWY_INLINE hn::Vec<B> multiply_words([[maybe_unused]] B bits, hn::Vec<B> a, hn::
 }
 
 // Philox4x32-10 (Salmon et al. 2011), bit for bit as in Random123; 32-bit words in the lower halves of the
-// lanes, whatever the upper halves hold. Several counters at once: each waits for its own previous round.
-template <class B, std::size_t streams>
-HWY_INLINE void philox(B bits, std::array<std::array<hn::Vec<B>, 4>, streams>& counters, std::uint64_t seed) {
+// lanes, whatever the upper halves hold.
+template <class B, std::size_t n>
+HWY_INLINE void philox(B bits, std::array<std::array<hn::Vec<B>, 4>, n>& counters, std::uint64_t seed) {
     auto const multiplier0 = hn::Set(bits, std::uint64_t{PHILOX_M4x32_0});
     auto const multiplier1 = hn::Set(bits, std::uint64_t{PHILOX_M4x32_1});
     auto key0 = static_cast<std::uint32_t>(seed), key1 = static_cast<std::uint32_t>(seed >> 32);
@@ -135,7 +158,7 @@ HWY_INLINE void philox(B bits, std::array<std::array<hn::Vec<B>, 4>, streams>& c
     }
 }
 
-// out[k] = variate(d, random bits of the pair {id[i[k]], id[j[k]]})
+// out[k] = variate of the random bits of the pair {id[i[k]], id[j[k]]}
 template <class Variate>
 HWY_INLINE void draw(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::uint32_t const* id,
                      double* out, std::size_t count, Variate variate_of) {
@@ -154,14 +177,14 @@ HWY_INLINE void draw(NoiseKey key, std::uint32_t const* i, std::uint32_t const* 
             second[k] = std::max(a, b);
         }
         double* const target = size == block ? out + begin : variate.data();
-        for (std::size_t k = 0; k < size; k += 2 * width) {
-            auto const counter = [&](std::size_t at) {
-                return std::array{hn::Load(bits, &first[at]), hn::Load(bits, &second[at]), step, stream};
-            };
-            std::array x{counter(k), counter(k + width)};
+        for (std::size_t k = 0; k < size; k += streams * width) {
+            std::array<std::array<BitLanes<decltype(d)>, 4>, streams> x;
+            for (std::size_t v = 0; v < streams; ++v)
+                x[v] = {hn::Load(bits, &first[k + v * width]), hn::Load(bits, &second[k + v * width]), step,
+                        stream};
             philox(bits, x, key.seed);
-            hn::StoreU(variate_of(d, x[0]), d, target + k);
-            hn::StoreU(variate_of(d, x[1]), d, target + k + width);
+            auto const variates = variate_of(d, x);
+            for (std::size_t v = 0; v < streams; ++v) hn::StoreU(variates[v], d, target + k + v * width);
         }
         if (size < block) std::copy_n(variate.begin(), size, out + begin);
     }
@@ -174,8 +197,12 @@ void normals(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::
 
 void uniforms(NoiseKey key, std::uint32_t const* i, std::uint32_t const* j, std::uint32_t const* id,
               double* out, std::size_t count) {
-    draw(key, i, j, id, out, count,
-         [](auto d, auto const& x) HWY_ATTR { return hn::Sub(one_to_two(d, x[0], x[1]), hn::Set(d, 1.0)); });
+    draw(key, i, j, id, out, count, [](auto d, auto const& x) HWY_ATTR {
+        std::array<Lanes<decltype(d)>, streams> uniform;
+        for (std::size_t v = 0; v < streams; ++v)
+            uniform[v] = hn::Sub(one_to_two(d, x[v][0], x[v][1]), hn::Set(d, 1.0));
+        return uniform;
+    });
 }
 
 // The same for the bits of one variate.
@@ -183,7 +210,9 @@ double normal_from(std::array<std::uint32_t, 4> const& random) {
     hn::CappedTag<double, 1> const d;
     hn::RebindToUnsigned<decltype(d)> const bits;
     auto const word = [&](std::size_t w) { return hn::Set(bits, std::uint64_t{random[w]}); };
-    return hn::GetLane(box_muller(d, {word(0), word(1), word(2), word(3)}));
+    std::array<std::array<BitLanes<decltype(d)>, 4>, 1> const bits_of_one{
+        {{word(0), word(1), word(2), word(3)}}};
+    return hn::GetLane(box_muller(d, bits_of_one)[0]);
 }
 
 }  // namespace dpd::HWY_NAMESPACE

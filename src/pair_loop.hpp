@@ -55,18 +55,28 @@ struct PairRows {
     }
 };
 
+/// The sum of f e_x y_ij over the pairs of a block, f[0] that of its first: minus the volume times a stress.
+template <int d>
+double sum_of_arms(PairView<d> const& view, PairBlock block, double const* f) {
+    std::array<double, block_size> moment;
+    wide_loop(block.size(), [=, begin = block.begin, moment = moment.data()](std::size_t k) {
+        moment[k] = f[k] * view.unit[0][begin + k] * view.unit[1][begin + k] * view.distance[begin + k];
+    });
+    return Eigen::Map<Eigen::ArrayXd const>(moment.data(), Eigen::Index(block.size())).sum();
+}
+
 /// Calls visit(k, speed) for every pair of the block, where `speed` is that of j's image along x: zero, known
 /// at compile time, except across a sheared boundary.
 template <int d, class Visit>
-[[gnu::always_inline]] inline void for_each_pair(PairList<d> const& pairs, Box<d> const& box, PairBlock block,
-                                                 Visit&& visit) {
+void for_each_pair(PairList<d> const& pairs, Box<d> const& box, PairBlock block, Visit visit) {
     double const speed = box.image_speed();
     auto crossing = std::lower_bound(pairs.crossing.begin(), pairs.crossing.end(), block.begin);
     for (std::size_t k = block.begin; k < block.end;) {
         std::size_t const stop =
             crossing == pairs.crossing.end() ? block.end : std::min<std::size_t>(*crossing, block.end);
-        for (; k < stop; ++k) visit(k, std::integral_constant<int, 0>{});
-        for (; k < block.end && crossing != pairs.crossing.end() && *crossing == k; ++crossing)
+        ordered_loop(k, stop,
+                     [visit](std::size_t at) mutable { visit(at, std::integral_constant<int, 0>{}); });
+        for (k = stop; k < block.end && crossing != pairs.crossing.end() && *crossing == k; ++crossing)
             visit(k++, speed);
     }
 }

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <utility>
 
+#include "wide.hpp"
+
 namespace dpd {
 
 template <int d>
@@ -50,6 +52,9 @@ void PairSearch<d>::find(Particles<d> const& particles, Box<d> const& box, doubl
 }
 
 namespace {
+
+// Few enough for the nearest cache.
+constexpr std::size_t separated_at_once = 256;
 
 // Both searches find the pairs across the sheared boundary last.
 template <int d>
@@ -123,9 +128,10 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     for (int axis = 0; axis < d; ++axis)
         cells_[axis] = static_cast<int>(box.length[axis] / std::min(width, box.length[axis] / 2.0) *
                                         (axis == contiguous ? reach : 1));
-    // so that about three particles share the work of collecting their candidates
+    // so that a row of candidates fills most of a vector
+    double const per_cell = std::pow(width / spacing, d) / reach;
     together_ =
-        std::clamp(static_cast<int>(std::lround(3.0 * reach * std::pow(spacing / width, d))), 1, reach);
+        std::clamp(static_cast<int>(std::lround(0.75 * simd::widest / per_cell)) - 2 * reach, 1, 2 * reach);
 
     auto const rows = static_cast<std::size_t>(particles.size());
     int const layers = cells_[1] + (box.sheared() ? 1 : 0);
@@ -222,12 +228,12 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
         if (d == 3 && above) add_row(x + 1, y + 1);
 
         candidates_.clear();
-        std::size_t most = 0, most_of_cell = 0;
+        std::size_t most = 0;
         for (int c = 0; c < cells_[contiguous]; c += together_) {
             int const home = row_begin(y, x) + c + reach, size = std::min(together_, cells_[contiguous] - c);
-            simd::Candidates cell{.home_end = begin_of(home + size), .range_count = 1, .ranges = {}};
-            std::size_t const begin = begin_of(home), own = cell.home_end - begin;
-            if (own == 0) continue;
+            std::size_t const begin = begin_of(home), end = begin_of(home + size);
+            if (begin == end) continue;
+            simd::Candidates cell{begin, end, 1, {}};
             cell.ranges[0] = {begin, within ? begin_of(home + size + reach) : begin, {}};
             std::size_t total = cell.ranges[0].end - begin;
             for (std::size_t r = 0; r < row_count; ++r) {
@@ -238,16 +244,14 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
                 cell.ranges[cell.range_count++] = range;
             }
             candidates_.push_back(cell);
-            most += own * total;
-            most_of_cell = std::max(most_of_cell, total);
+            most += (end - begin) * total;
         }
-        scratch_of_cell_.row.resize(std::max(scratch_of_cell_.row.size(), most_of_cell + simd::widest));
-        for (auto& component : scratch_of_cell_.position) component.resize(scratch_of_cell_.row.size());
         std::size_t const begin = pairs.count;
         pairs.grow_to(begin + most + simd::widest);
-        pairs.count +=
-            simd::find_near(sorted, candidates_, limit, scratch_of_cell_, &pairs.i[begin], &pairs.j[begin]);
-        separate(particles, nearest_image, begin, pairs);
+        std::size_t const end =
+            begin + simd::find_near(sorted, candidates_, limit, &pairs.i[begin], &pairs.j[begin]);
+        for (std::size_t from = begin; from < end; from += separated_at_once)
+            separate(particles, nearest_image, from, std::min(separated_at_once, end - from), pairs);
     }
 }
 
@@ -266,23 +270,27 @@ simd::Geometry<d> PairSearch<d>::geometry(Box<d> const& box, double time, bool a
     return geometry;
 }
 
-// Separations, then unit vectors and distances of the pairs from `begin` on. What is no pair after all is
-// left out, and so are pairs at r = 0, so that every listed pair has a direction.
+// Appends `size` pairs, whose rows stand from `from` on: separations, then unit vectors and distances. What
+// is no pair after all is left out, and so are pairs at r = 0, so that every listed pair has a direction.
 template <int d>
 void PairSearch<d>::separate(Particles<d> const& particles, simd::Geometry<d> const& geometry,
-                             std::size_t begin, PairList<d>& pairs) const {
-    simd::PairColumns<d> columns{pairs.count - begin, {}, pairs.distance.data() + begin};
-    for (std::size_t axis = 0; axis < d; ++axis) columns.unit[axis] = pairs.unit[axis].data() + begin;
-    double const* const position = particles.position.data();
-    std::uint32_t const *const rows_i = pairs.i.data() + begin, *const rows_j = pairs.j.data() + begin;
-    for (std::size_t k = 0; k < columns.count; ++k) {
-        std::size_t const i = d * std::size_t{rows_i[k]}, j = d * std::size_t{rows_j[k]};
-        for (std::size_t axis = 0; axis < d; ++axis)
-            columns.unit[axis][k] = position[i + axis] - position[j + axis];
+                             std::size_t from, std::size_t size, PairList<d>& pairs) const {
+    std::size_t const begin = pairs.count, end = begin + size;
+    std::uint32_t *const rows_i = &pairs.i[begin], *const rows_j = &pairs.j[begin];
+    if (from > begin) {
+        std::copy_n(&pairs.i[from], size, rows_i);
+        std::copy_n(&pairs.j[from], size, rows_j);
     }
-    if (simd::normalize(geometry, columns) == 0) [[likely]]
+    simd::PairColumns<d> columns{size, {}, &pairs.distance[begin]};
+    for (std::size_t axis = 0; axis < d; ++axis) columns.unit[axis] = &pairs.unit[axis][begin];
+    ordered_loop(0, size, [=, position = particles.position.data(), unit = columns.unit](std::size_t k) {
+        std::size_t const i = d * std::size_t{rows_i[k]}, j = d * std::size_t{rows_j[k]};
+        for (std::size_t axis = 0; axis < d; ++axis) unit[axis][k] = position[i + axis] - position[j + axis];
+    });
+    if (simd::normalize(geometry, columns) == 0) [[likely]] {
+        pairs.count = end;
         return;
-    std::size_t const end = std::exchange(pairs.count, begin);
+    }
     for (std::size_t k = begin; k < end; ++k) {
         double const r = pairs.distance[k];
         pairs.coincident += r == 0.0;

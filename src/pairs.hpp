@@ -77,7 +77,8 @@ private:
     void sort_into_cells(Particles<d> const&, Box<d> const&, double time);
     void search_layer(Particles<d> const&, Box<d> const&, double time, int y, bool within, bool above,
                       bool across, PairList<d>&);
-    void separate(Particles<d> const&, simd::Geometry<d> const&, std::size_t begin, PairList<d>&) const;
+    void separate(Particles<d> const&, simd::Geometry<d> const&, std::size_t from, std::size_t size,
+                  PairList<d>&) const;
     simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;
     void reorder(Particles<d> const&, NoiseKey, PairList<d>&);
     void sort_places(Particles<d> const&, NoiseKey, PairList<d> const&);
@@ -94,7 +95,7 @@ private:
     static constexpr int contiguous = d == 3 ? 2 : 0;
     static constexpr int reach = 4;
     std::array<int, d> cells_{};
-    int together_ = 1;  // cells of a row whose particles share one list of candidates
+    int together_ = 1;  // cells of a row whose particles share their candidates
     std::vector<int> cell_begin_;
     struct Place {
         std::uint32_t cell, rank;
@@ -104,12 +105,11 @@ private:
         Place place;
         float x;
     };
-    std::vector<Place> places_;                 // of each particle
-    std::vector<Image> images_;                 // of the lowest layer, in shear
-    std::array<std::vector<float>, d> sorted_;  // positions of particles and images, by cell
-    std::vector<std::uint32_t> owner_;          // row of the particle behind each of them
-    std::vector<simd::Candidates> candidates_;  // of one row of cells
-    simd::Scratch<d> scratch_of_cell_;
+    std::vector<Place> places_;                        // of each particle
+    std::vector<Image> images_;                        // of the lowest layer, in shear
+    std::array<std::vector<float>, d> sorted_;         // positions of particles and images, by cell
+    std::vector<std::uint32_t> owner_;                 // row of the particle behind each of them
+    std::vector<simd::Candidates> candidates_;         // of one row of cells
     std::vector<std::uint32_t> place_, bucket_begin_;  // scratch of `reorder`, as are the next two
     std::vector<std::uint32_t> scratch_rows_;
     std::vector<double> scratch_;

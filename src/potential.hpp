@@ -72,7 +72,7 @@ void forget_wall_forces(Simulation<d> const& simulation, Field<d>& force) {
 }
 
 /// Adds the conservative forces at the present positions to `field`, one row per particle. Returns the sum
-/// over pairs of f e_x y_ij.
+/// over pairs of f e_x y_ij where a stress is wanted, else zero.
 template <int d, class Potential>
 double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d>& field) {
     auto& pairs = simulation.pairs();
@@ -85,18 +85,20 @@ double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d
         wide_loop(block.size(), [=, f = f.data(), r = view.distance + block.begin](std::size_t k) {
             f[k] = r[k] < potential.cutoff ? potential.force(r[k]) : 0.0;
         });
-        for (std::size_t k = block.begin; k < block.end; ++k) {
+        if (walls)
+            for (std::size_t k = 0; k < block.size(); ++k)
+                f[k] *= wall_factor(simulation, view.i[block.begin + k], view.j[block.begin + k]);
+        ordered_loop(block.begin, block.end, [=, f = f.data()](std::size_t k) {
             auto const [i, j, e] = PairRows<d>(view, k);
-            double f_k = f[k - block.begin];
-            if (walls) f_k *= wall_factor(simulation, view.i[k], view.j[k]);
+            double const f_k = f[k - block.begin];
             // [pair force]
             for (int axis = 0; axis < d; ++axis) {
                 force[i + axis] += f_k * e[axis];
                 force[j + axis] -= f_k * e[axis];
             }
-            virial += f_k * e[0] * e[1] * view.distance[k];
             // [pair force]
-        }
+        });
+        if (simulation.stage_stress.wanted) virial += sum_of_arms(view, block, f.data());
     });
     if (walls) forget_wall_forces(simulation, field);
     simulation.counters.potential_evaluations += pairs.count;

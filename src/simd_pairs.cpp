@@ -3,6 +3,7 @@
 // (-ffp-contract=off): the pairs and their bits are the same on every machine.
 #include "simd_pairs.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -12,73 +13,81 @@
 //
 #include <hwy/highway.h>
 
+#ifndef DPDREF_LANES_IN_MASK
+#define DPDREF_LANES_IN_MASK
+namespace dpd::simd {
+// The lanes that a mask of eight bits names, in order; then lane 0.
+inline constexpr auto lanes_in_mask = [] {
+    std::array<std::array<std::uint8_t, 8>, 256> lanes{};
+    for (std::size_t mask = 0; mask < lanes.size(); ++mask)
+        for (std::size_t lane = 0, found = 0; lane < 8; ++lane)
+            if (mask >> lane & 1) lanes[mask][found++] = static_cast<std::uint8_t>(lane);
+    return lanes;
+}();
+}  // namespace dpd::simd
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace dpd::simd::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Copies the candidates of a cell into one row, each seen in its image; returns how many.
-template <int d, class Lanes>
-HWY_INLINE std::size_t gather(Lanes lanes, Sorted<d> const& sorted, Candidates const& cell,
-                              float* (&position)[d], std::uint32_t* row) {
-    hn::RebindToUnsigned<Lanes> const rows;
-    std::size_t count = 0;
-    for (std::size_t r = 0; r < cell.range_count; ++r) {
-        Range const& range = cell.ranges[r];
-        std::size_t const size = range.end - range.begin;
-        for (std::size_t q = 0; q < size; q += hn::Lanes(lanes)) {
-            for (int axis = 0; axis < d; ++axis) {
-                auto x = hn::LoadU(lanes, sorted.position[axis] + range.begin + q);
-                if (axis < 2) x = hn::Add(x, hn::Set(lanes, range.shift[axis]));
-                hn::StoreU(x, lanes, position[axis] + count + q);
-            }
-            hn::StoreU(hn::LoadU(rows, sorted.row + range.begin + q), rows, row + count + q);
-        }
-        count += size;
+// The lanes of `row` named by the mask, moved to the front. Eight lanes by a table of our own: g++ copies
+// Highway's to the stack in every call.
+template <class Rows>
+HWY_INLINE hn::Vec<Rows> to_front(Rows rows, hn::Vec<Rows> row, hn::Mask<Rows> mask) {
+    if constexpr (hn::MaxLanes(rows) == 8) {
+        std::uint8_t bits = 0;
+        hn::StoreMaskBits(rows, mask, &bits);
+        hn::Rebind<std::uint8_t, Rows> const bytes;
+        auto const from = hn::PromoteTo(rows, hn::LoadU(bytes, lanes_in_mask[bits].data()));
+        return hn::TableLookupLanes(row, hn::IndicesFromVec(rows, from));
+    } else {
+        return hn::Compress(row, mask);
     }
-    return count;
 }
 
+// A vector of candidates meets all particles of the home cells before the next one is loaded. So neighbours
+// in the list seldom share their first particle, and updates that need not wait for each other follow each
+// other; the pairs of a particle keep their order.
 template <int d>
 HWY_INLINE std::size_t near_lanes(Sorted<d> const& sorted, std::span<Candidates const> cells,
-                                  float limit_squared, Scratch<d>& scratch, std::uint32_t* i,
-                                  std::uint32_t* j) {
+                                  float limit_squared, std::uint32_t* i, std::uint32_t* j) {
     hn::ScalableTag<float> const lanes;
     hn::RebindToUnsigned<decltype(lanes)> const rows;
     std::size_t const width = hn::Lanes(lanes);
     auto const limit = hn::Set(lanes, limit_squared);
-    auto const numbers = hn::Iota(rows, 0);
     std::size_t count = 0;
-    float* position[d];
-    for (int axis = 0; axis < d; ++axis) position[axis] = scratch.position[axis].data();
-    for (Candidates const& cell : cells) {
-        std::size_t const size = gather<d>(lanes, sorted, cell, position, scratch.row.data());
-        std::size_t const begin = cell.ranges[0].begin;
-        // with its own cell a particle pairs from its successor on
-        bool const own = cell.ranges[0].end > begin;
-        for (std::size_t h = begin; h < cell.home_end; ++h) {
-            hn::Vec<decltype(lanes)> origin[d];
-            for (int axis = 0; axis < d; ++axis) origin[axis] = hn::Set(lanes, sorted.position[axis][h]);
-            auto const first = own ? h - begin + 1 : 0;
-            auto const from = hn::Set(rows, static_cast<std::uint32_t>(first)),
-                       to = hn::Set(rows, static_cast<std::uint32_t>(size));
-            std::size_t const found = count;
-            for (std::size_t q = first / width * width; q < size; q += width) {
-                auto squared = hn::Zero(lanes);
+    for (Candidates const& cell : cells)
+        for (std::size_t r = 0; r < cell.range_count; ++r) {
+            Range const& range = cell.ranges[r];
+            for (std::size_t q = range.begin; q < range.end; q += width) {
+                hn::Vec<decltype(lanes)> partner[d];
                 for (int axis = 0; axis < d; ++axis) {
-                    auto const s = hn::Sub(origin[axis], hn::LoadU(lanes, position[axis] + q));
-                    squared = hn::Add(squared, hn::Mul(s, s));
+                    partner[axis] = hn::LoadU(lanes, sorted.position[axis] + q);
+                    if (axis < 2) partner[axis] = hn::Add(partner[axis], hn::Set(lanes, range.shift[axis]));
                 }
-                auto const number = hn::Add(numbers, hn::Set(rows, static_cast<std::uint32_t>(q)));
-                auto const there = hn::AndNot(hn::Lt(number, from), hn::Lt(number, to));
-                auto const near = hn::And(hn::RebindMask(rows, hn::Lt(squared, limit)), there);
-                // whole vectors are written; the next result begins where the valid lanes end
-                hn::StoreU(hn::Compress(hn::LoadU(rows, scratch.row.data() + q), near), rows, j + count);
-                count += hn::CountTrue(rows, near);
+                auto const row = hn::LoadU(rows, sorted.row + q);
+                auto const there = hn::FirstN(lanes, range.end - q);
+                auto const meet = [&](std::size_t h, auto candidates) HWY_ATTR {
+                    auto squared = hn::Zero(lanes);
+                    for (int axis = 0; axis < d; ++axis) {
+                        auto const s = hn::Sub(hn::Set(lanes, sorted.position[axis][h]), partner[axis]);
+                        squared = hn::Add(squared, hn::Mul(s, s));
+                    }
+                    auto const near = hn::RebindMask(rows, hn::And(hn::Lt(squared, limit), candidates));
+                    // whole vectors are written; the next result begins where the valid lanes end
+                    hn::StoreU(to_front(rows, row, near), rows, j + count);
+                    hn::StoreU(hn::Set(rows, sorted.row[h]), rows, i + count);
+                    count += hn::CountTrue(rows, near);
+                };
+                // with its own cells a particle pairs from its successor on
+                std::size_t const before =
+                    r == 0 ? std::clamp(q, cell.home_begin, cell.home_end) : cell.home_end;
+                for (std::size_t h = cell.home_begin; h < before; ++h) meet(h, there);
+                for (std::size_t h = before; h < std::min(q + width, cell.home_end); ++h)
+                    meet(h, hn::AndNot(hn::FirstN(lanes, h - q + 1), there));
             }
-            auto const home = hn::Set(rows, sorted.row[h]);
-            for (std::size_t k = found; k < count; k += width) hn::StoreU(home, rows, i + k);
         }
-    }
     return count;
 }
 
@@ -114,12 +123,12 @@ HWY_INLINE std::size_t normalize_lanes(Geometry<d> const& geometry, PairColumns<
 }
 
 std::size_t find_near_2(Sorted<2> const& sorted, std::span<Candidates const> cells, float limit_squared,
-                        Scratch<2>& scratch, std::uint32_t* i, std::uint32_t* j) {
-    return near_lanes<2>(sorted, cells, limit_squared, scratch, i, j);
+                        std::uint32_t* i, std::uint32_t* j) {
+    return near_lanes<2>(sorted, cells, limit_squared, i, j);
 }
 std::size_t find_near_3(Sorted<3> const& sorted, std::span<Candidates const> cells, float limit_squared,
-                        Scratch<3>& scratch, std::uint32_t* i, std::uint32_t* j) {
-    return near_lanes<3>(sorted, cells, limit_squared, scratch, i, j);
+                        std::uint32_t* i, std::uint32_t* j) {
+    return near_lanes<3>(sorted, cells, limit_squared, i, j);
 }
 std::size_t normalize_2(Geometry<2> const& geometry, PairColumns<2> const& pairs) {
     return normalize_lanes(geometry, pairs);
@@ -140,12 +149,12 @@ HWY_EXPORT(normalize_2);
 HWY_EXPORT(normalize_3);
 
 std::size_t find_near(Sorted<2> const& sorted, std::span<Candidates const> cells, float limit_squared,
-                      Scratch<2>& scratch, std::uint32_t* i, std::uint32_t* j) {
-    return HWY_DYNAMIC_DISPATCH(find_near_2)(sorted, cells, limit_squared, scratch, i, j);
+                      std::uint32_t* i, std::uint32_t* j) {
+    return HWY_DYNAMIC_DISPATCH(find_near_2)(sorted, cells, limit_squared, i, j);
 }
 std::size_t find_near(Sorted<3> const& sorted, std::span<Candidates const> cells, float limit_squared,
-                      Scratch<3>& scratch, std::uint32_t* i, std::uint32_t* j) {
-    return HWY_DYNAMIC_DISPATCH(find_near_3)(sorted, cells, limit_squared, scratch, i, j);
+                      std::uint32_t* i, std::uint32_t* j) {
+    return HWY_DYNAMIC_DISPATCH(find_near_3)(sorted, cells, limit_squared, i, j);
 }
 std::size_t normalize(Geometry<2> const& geometry, PairColumns<2> const& pairs) {
     return HWY_DYNAMIC_DISPATCH(normalize_2)(geometry, pairs);

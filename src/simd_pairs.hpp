@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace dpd::simd {
 
@@ -26,26 +25,20 @@ struct Range {
     std::array<float, 2> shift;
 };
 
-/// Entries that may pair: each of a cell's own, the first range's up to `home_end`, with the rest of the
-/// first range from its successor on, and with all of the other ranges.
+/// Entries that may pair: each of the home cells' own with all of the ranges; in the first one, which
+/// begins with them, from its successor on. Without partners in its own row the first range is empty.
 struct Candidates {
-    std::size_t home_end;
+    std::size_t home_begin, home_end;
     std::size_t range_count;
     std::array<Range, 5> ranges;
 };
 
-/// Room for the candidates of one cell, and `widest` more.
-template <int d>
-struct Scratch {
-    std::array<std::vector<float>, d> position;
-    std::vector<std::uint32_t> row;
-};
-
-/// Rows of the candidates closer than the limit, to i and j; returns how many.
-std::size_t find_near(Sorted<2> const&, std::span<Candidates const>, float limit_squared, Scratch<2>&,
-                      std::uint32_t* i, std::uint32_t* j);
-std::size_t find_near(Sorted<3> const&, std::span<Candidates const>, float limit_squared, Scratch<3>&,
-                      std::uint32_t* i, std::uint32_t* j);
+/// Rows of the candidates closer than the limit, to i and j; returns how many. Up to `widest` more entries
+/// are overwritten.
+std::size_t find_near(Sorted<2> const&, std::span<Candidates const>, float limit_squared, std::uint32_t* i,
+                      std::uint32_t* j);
+std::size_t find_near(Sorted<3> const&, std::span<Candidates const>, float limit_squared, std::uint32_t* i,
+                      std::uint32_t* j);
 
 /// Which image of j a pair means: r_i - r_j - shift, taken to the nearest image in a period (infinite: none).
 template <int d>

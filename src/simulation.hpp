@@ -51,7 +51,7 @@ struct StageStress {
     double friction = 0.0;  ///< collision stress without the noise of each pair's own update
 };
 
-/// Sums over pairs of f e_x y_ij, by the kind of force.
+/// Sums over pairs of f e_x y_ij, by the kind of force; zero where no stress is wanted.
 struct PairVirials {
     double potential = 0.0;
     double thermostat = 0.0;  ///< friction and noise

@@ -74,8 +74,8 @@ void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, d
             xi[k] *= update_b(a[k], 1.0) * noise;
             // [pair coefficients]
         });
-        for_each_pair(pairs, simulation.box, block, [&](std::size_t k, auto image_speed) {
-            double const a_k = a[k - block.begin];
+        for_each_pair(pairs, simulation.box, block, [=, a = a.data()](std::size_t k, auto image_speed) {
+            double& a_k = a[k - block.begin];
             if (a_k == 0.0) return;
             auto const [i, j, e] = PairRows<d>(view, k);
             auto const v_i = row<d>(v, i), v_j = row<d>(v, j);
@@ -88,8 +88,9 @@ void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, d
             }
             view.impulse[k] = change;
             // [pair update]
-            if (stress_wanted) moved += friction * e[0] * e[1] * view.distance[k];
+            a_k = friction;
         });
+        if (stress_wanted) moved += sum_of_arms(view, block, a.data());
     });
     simulation.stage_stress.friction -=
         particles.mass * moved / (simulation.box.volume() * simulation.time_step);
@@ -195,7 +196,7 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
                 // [euler coefficients]
             });
         });
-        for_each_pair(pairs, simulation.box, block, [&](std::size_t k, auto image_speed) {
+        for_each_pair(pairs, simulation.box, block, [=, drag = drag.data()](std::size_t k, auto image_speed) {
             auto const [i, j, e] = PairRows<d>(view, k);
             // [euler impulse]
             double const dissipative =
@@ -206,9 +207,10 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
                 change[j + axis] -= momentum * e[axis];
             }
             // [euler impulse]
-            if (stress_wanted) moved += dissipative * e[0] * e[1] * view.distance[k];
+            drag[k - block.begin] = dissipative;
             view.impulse[k] = momentum * per_mass;
         });
+        if (stress_wanted) moved += sum_of_arms(view, block, drag.data());
     });
     simulation.stage_stress.friction = -moved / (simulation.box.volume() * simulation.time_step);
     pairs.updated = true;
@@ -297,24 +299,29 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
         if (walls)
             for (std::size_t k = 0; k < block.size(); ++k)
                 conservative[k] *= wall_factor(simulation, view.i[block.begin + k], view.j[block.begin + k]);
-        for_each_pair(pairs, simulation.box, block, [&](std::size_t k, auto image_speed) {
-            auto const [i, j, e] = PairRows<d>(view, k);
-            // [modified verlet sum]
-            double const friction =
-                -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
-            double const thermal = friction + view.impulse[k];
-            double const f = conservative[k - block.begin] + thermal;
-            for (int axis = 0; axis < d; ++axis) {
-                force[i + axis] += f * e[axis];
-                force[j + axis] -= f * e[axis];
-            }
-            // [modified verlet sum]
-            double const arm = e[0] * e[1] * view.distance[k];
-            virials.potential += conservative[k - block.begin] * arm;
-            virials.friction += friction * arm;
-            virials.thermostat += thermal * arm;
-            if (friction_again) view.impulse[k] = friction;  // to be replaced
-        });
+        for_each_pair(
+            pairs, simulation.box, block,
+            [=, conservative = conservative.data(), drag = drag.data()](std::size_t k, auto image_speed) {
+                auto const [i, j, e] = PairRows<d>(view, k);
+                // [modified verlet sum]
+                double const friction =
+                    -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
+                double const thermal = friction + view.impulse[k];
+                double const f = conservative[k - block.begin] + thermal;
+                for (int axis = 0; axis < d; ++axis) {
+                    force[i + axis] += f * e[axis];
+                    force[j + axis] -= f * e[axis];
+                }
+                // [modified verlet sum]
+                drag[k - block.begin] = friction;
+                view.impulse[k] = thermal;
+            });
+        if (simulation.stage_stress.wanted) {
+            virials.potential += sum_of_arms(view, block, conservative.data());
+            virials.friction += sum_of_arms(view, block, drag.data());
+            virials.thermostat += sum_of_arms(view, block, xi);
+        }
+        if (friction_again) std::copy_n(drag.data(), block.size(), xi);  // to be replaced
     });
     if (walls) forget_wall_forces(simulation, simulation.force);
     simulation.counters.potential_evaluations += pairs.count;
@@ -331,20 +338,26 @@ void ModifiedVerlet<d, Potential>::find_friction_again(Simulation<d>& simulation
     double const* const v = particles.velocity.data();
     double* const force = simulation.force.data();
     double added = 0.0;
-    with_weight(weight, [&]<Weight w>() {
-        for_each_pair(pairs, simulation.box, {0, pairs.count}, [&](std::size_t k, auto image_speed) {
-            double const r = view.distance[k], x = r / cutoff;
-            if (x >= 1.0) return;
-            auto const [i, j, e] = PairRows<d>(view, k);
-            double const friction =
-                -gamma * weight_at<w>(x) * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
-            double const change = friction - view.impulse[k];
-            for (int axis = 0; axis < d; ++axis) {
-                force[i + axis] += change * e[axis];
-                force[j + axis] -= change * e[axis];
-            }
-            added += change * e[0] * e[1] * r;
+    std::array<double, block_size> change;
+    for_each_block(pairs, [&](PairBlock block) {
+        with_weight(weight, [&]<Weight w>() {
+            auto const again = [=, gamma = gamma, cutoff = cutoff, change = change.data()](std::size_t k,
+                                                                                           auto image_speed) {
+                double const x = view.distance[k] / cutoff;
+                auto const [i, j, e] = PairRows<d>(view, k);
+                double const friction =
+                    x < 1.0 ? -gamma * weight_at<w>(x) * approach(row<d>(v, i), row<d>(v, j), e, image_speed)
+                            : 0.0;
+                double& difference = change[k - block.begin];
+                difference = friction - view.impulse[k];
+                for (int axis = 0; axis < d; ++axis) {
+                    force[i + axis] += difference * e[axis];
+                    force[j + axis] -= difference * e[axis];
+                }
+            };
+            for_each_pair(pairs, simulation.box, block, again);
         });
+        if (simulation.stage_stress.wanted) added += sum_of_arms(view, block, change.data());
     });
     if (particles.has_walls()) forget_wall_forces(simulation, simulation.force);
     simulation.pair_virials.friction += added;

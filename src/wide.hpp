@@ -6,7 +6,7 @@
 
 /// @cond
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define DPDREF_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
+#define DPDREF_WIDE __attribute__((flatten, target_clones("avx512f", "avx2", "default")))
 #else
 #define DPDREF_WIDE
 #endif
@@ -21,6 +21,12 @@ template <class Work>
 DPDREF_WIDE void wide_loop(std::size_t count, Work work) {
 #pragma GCC ivdep
     for (std::size_t k = 0; k < count; ++k) work(k);
+}
+
+/// The same for calls that must come one after the other.
+template <class Work>
+DPDREF_WIDE void ordered_loop(std::size_t begin, std::size_t end, Work work) {
+    for (std::size_t k = begin; k < end; ++k) work(k);
 }
 
 }  // namespace dpd

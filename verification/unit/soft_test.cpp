@@ -55,6 +55,7 @@ Simulation<d> gas(std::array<double, d> length, Eigen::Index n, double shear_rat
     simulation.time_step = time_step;
     simulation.seed = 1;
     simulation.pair_search.order = Order::id;
+    simulation.stage_stress.wanted = true;
     randomize(simulation.particles, simulation.box, kT, 1);
     return simulation;
 }
@@ -701,7 +702,6 @@ BOOST_DATA_TEST_CASE(stresses_equal_the_momentum_through_planes, data::make({0.0
         BOOST_TEST(std::abs(collision_stress(simulation.pairs(), m, simulation.box, dt) - collisions) < 1e-3);
 
         auto whole = simulation;
-        whole.stage_stress.wanted = true;
         Verlet<3, Soft>{.potential = soft, .substeps = substeps}(whole, {});
         double kinetic = 0.0, potential = 0.0;
         simulation.time_step = span;

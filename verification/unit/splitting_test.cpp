@@ -170,6 +170,7 @@ BOOST_DATA_TEST_CASE(two_dpd_vv_steps_by_hand, data::make({false, true}), again)
     stage.gamma = gamma;
     stage.sigma = 0.0;
     stage.friction_again = again;
+    simulation.stage_stress.wanted = true;
     simulation.stages = {{"modified_verlet", stage}};
     Pair p = pair_of(simulation);
     Vec3 force = p.soft_force() + p.friction(gamma);
