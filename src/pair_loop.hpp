@@ -65,8 +65,9 @@ double sum_of_arms(PairView<d> const& view, PairBlock block, double const* f) {
     return Eigen::Map<Eigen::ArrayXd const>(moment.data(), Eigen::Index(block.size())).sum();
 }
 
-/// Calls visit(k, speed) for every pair of the block, where `speed` is that of j's image along x: zero, known
-/// at compile time, except across a sheared boundary.
+/// Calls visit(k, speed) for every pair of the block, one after the other, where `speed` is that of j's image
+/// along x: zero, known at compile time, except across a sheared boundary. `visit` should hold what it reads
+/// by value: what it holds by reference is loaded again after every store.
 template <int d, class Visit>
 void for_each_pair(PairList<d> const& pairs, Box<d> const& box, PairBlock block, Visit visit) {
     double const speed = box.image_speed();

@@ -128,10 +128,10 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     for (int axis = 0; axis < d; ++axis)
         cells_[axis] = static_cast<int>(box.length[axis] / std::min(width, box.length[axis] / 2.0) *
                                         (axis == contiguous ? reach : 1));
-    // so that a row of candidates fills most of a vector
+    // so that a row of candidates fills most of a vector, and none is seen in two images
     double const per_cell = std::pow(width / spacing, d) / reach;
-    together_ =
-        std::clamp(static_cast<int>(std::lround(0.75 * simd::widest / per_cell)) - 2 * reach, 1, 2 * reach);
+    together_ = std::clamp(static_cast<int>(std::lround(0.75 * simd::widest / per_cell)) - 2 * reach, 1,
+                           cells_[contiguous] - reach);
 
     auto const rows = static_cast<std::size_t>(particles.size());
     int const layers = cells_[1] + (box.sheared() ? 1 : 0);
@@ -208,6 +208,9 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
     simd::Sorted<d> sorted{{}, owner_.data()};
     for (std::size_t axis = 0; axis < d; ++axis) sorted.position[axis] = sorted_[axis].data();
 
+    // With two cells along x a particle can be a candidate in two images. There the particles of a cell
+    // search one by one, which keeps the pairs of each in the order of the rows.
+    bool const seen_twice = d == 3 && cells_[0] < 3;
     for (int x = 0; x < (d == 3 ? cells_[0] : 1); ++x) {
         struct Row {
             int begin;
@@ -243,8 +246,17 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
                 total += range.end - range.begin;
                 cell.ranges[cell.range_count++] = range;
             }
-            candidates_.push_back(cell);
             most += (end - begin) * total;
+            if (!seen_twice) {
+                candidates_.push_back(cell);
+                continue;
+            }
+            for (std::size_t home_particle = begin; home_particle < end; ++home_particle) {
+                cell.home_begin = home_particle;
+                cell.home_end = home_particle + 1;
+                if (within) cell.ranges[0].begin = home_particle;
+                candidates_.push_back(cell);
+            }
         }
         std::size_t const begin = pairs.count;
         pairs.grow_to(begin + most + simd::widest);
@@ -283,6 +295,7 @@ void PairSearch<d>::separate(Particles<d> const& particles, simd::Geometry<d> co
     }
     simd::PairColumns<d> columns{size, {}, &pairs.distance[begin]};
     for (std::size_t axis = 0; axis < d; ++axis) columns.unit[axis] = &pairs.unit[axis][begin];
+    // in order: scalar loads are faster than the gathers that a wide loop would make of them
     ordered_loop(0, size, [=, position = particles.position.data(), unit = columns.unit](std::size_t k) {
         std::size_t const i = d * std::size_t{rows_i[k]}, j = d * std::size_t{rows_j[k]};
         for (std::size_t axis = 0; axis < d; ++axis) unit[axis][k] = position[i + axis] - position[j + axis];

@@ -70,7 +70,9 @@ def fluid(number, density, steps):
                  steps=steps)
 
 
-# (what, particles, density); what it costs to start is left out: the difference of a long and a short run counts
+# (what, particles, density); what it costs to start and to settle from random positions is left out: the difference of
+# two runs counts, of which the short one is a unit of time
+SETTLED = 50  # steps
 SCALING = [(f"{number:,} particles", number, 3) for number in (3000, 30000, 300000, 3000000)] + \
           [(f"24,000 particles, density {density}", 24000, density) for density in (1, 3, 10)]
 
@@ -112,12 +114,12 @@ def ratio_row(name, runs, older):
 
 
 def scaling_row(program, name, number, density, repetitions):
-    steps = max(10, 6000000 // number)
+    steps = max(50, 6000000 // number)
     costs = []
     for _ in range(repetitions):
-        (result, long), (_, short) = (run(program, fluid(number, density, count)) for count in (2 * steps, steps))
+        (result, long), (start, short) = (run(program, fluid(number, density, SETTLED + more)) for more in (steps, 0))
         costs.append(1e9 * (long - short) / (steps * number))
-    found = result["counters"]["pairs_found"] / (2 * steps * number)
+    found = (result["counters"]["pairs_found"] - start["counters"]["pairs_found"]) / (steps * number)
     per_pair = statistics.median(costs) / found
     return f"| {name} | {middle_and_range(costs, 0)} | {found:.2f} | {per_pair:.1f} | {result['bytes'] / number:.0f} |"
 
