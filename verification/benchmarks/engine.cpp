@@ -212,9 +212,11 @@ void unavoidable(benchmark::State& state) {
     for (auto iteration : state) {
         static_cast<void>(iteration);
         pair_normals({1, ++step, 0}, i, j, id.data(), noise);
-        for (std::size_t k = 0; k < pairs; ++k)
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                e[axis][k] = position[3 * i[k] + axis] - position[3 * j[k] + axis];
+        ordered_loop(0, pairs,
+                     [i = i.data(), j = j.data(), position = position.data(), e = e.data()](std::size_t k) {
+                         for (std::size_t axis = 0; axis < 3; ++axis)
+                             e[axis][k] = position[3 * i[k] + axis] - position[3 * j[k] + axis];
+                     });
         wide_loop(pairs, [x = e[0].data(), y = e[1].data(), z = e[2].data(), a = a.data(),
                           noise = noise.data(), f = f.data()](std::size_t k) {
             double const r = std::sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]), inverse = 1.0 / r;
@@ -225,22 +227,27 @@ void unavoidable(benchmark::State& state) {
             noise[k] *= update_b(a[k], 1.0) * std::numbers::sqrt2;
             f[k] = 25.0 * (1.0 - r);
         });
-        for (std::size_t k = 0; k < pairs; ++k) {
-            std::size_t const from = 3 * std::size_t{i[k]}, to = 3 * std::size_t{j[k]};
-            double approach = 0.0;
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                approach += (velocity[from + axis] - velocity[to + axis]) * e[axis][k];
-            double const change = noise[k] - a[k] * approach;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                velocity[from + axis] += change * e[axis][k];
-                velocity[to + axis] -= change * e[axis][k];
-            }
-        }
-        for (std::size_t k = 0; k < pairs; ++k)
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                force[3 * i[k] + axis] += f[k] * e[axis][k];
-                force[3 * j[k] + axis] -= f[k] * e[axis][k];
-            }
+        ordered_loop(0, pairs,
+                     [i = i.data(), j = j.data(), e = e.data(), a = a.data(), noise = noise.data(),
+                      velocity = velocity.data()](std::size_t k) {
+                         std::size_t const from = 3 * std::size_t{i[k]}, to = 3 * std::size_t{j[k]};
+                         double approach = 0.0;
+                         for (std::size_t axis = 0; axis < 3; ++axis)
+                             approach += (velocity[from + axis] - velocity[to + axis]) * e[axis][k];
+                         double const change = noise[k] - a[k] * approach;
+                         for (std::size_t axis = 0; axis < 3; ++axis) {
+                             velocity[from + axis] += change * e[axis][k];
+                             velocity[to + axis] -= change * e[axis][k];
+                         }
+                     });
+        ordered_loop(
+            0, pairs,
+            [i = i.data(), j = j.data(), e = e.data(), f = f.data(), force = force.data()](std::size_t k) {
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    force[3 * i[k] + axis] += f[k] * e[axis][k];
+                    force[3 * j[k] + axis] -= f[k] * e[axis][k];
+                }
+            });
         benchmark::DoNotOptimize(velocity.data());
         benchmark::DoNotOptimize(force.data());
         benchmark::ClobberMemory();

@@ -3,6 +3,7 @@
 #define BOOST_TEST_MODULE engine
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <bit>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <numbers>
 #include <random>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -18,6 +20,7 @@
 #include "stages.hpp"
 #include "statistics.hpp"
 #include "theory/closed_forms.hpp"
+#include "version.hpp"
 
 using namespace dpd;
 namespace data = boost::unit_test::data;
@@ -587,4 +590,49 @@ BOOST_AUTO_TEST_CASE(a_position_that_is_no_number_is_refused) {
     simulation.particles.velocity(3, 1) = std::nan("");
     simulation.stages = {{"drift", Drift<2>{}}};
     BOOST_CHECK_THROW(simulation.advance(), Diverged);
+}
+
+// --- results of the engine's revision ---------------------------------------------------------------------
+
+// FNV-1a of the bits of all velocities, by id.
+template <int d>
+std::uint64_t fingerprint(Particles<d> const& particles) {
+    std::vector<Eigen::Index> row(static_cast<std::size_t>(particles.size()));
+    for (Eigen::Index p = 0; p < particles.size(); ++p) row[particles.id[p]] = p;
+    std::uint64_t hash = 0xcbf29ce484222325u;
+    for (Eigen::Index const p : row)
+        for (int axis = 0; axis < d; ++axis) {
+            auto const bits = std::bit_cast<std::uint64_t>(particles.velocity(p, axis));
+            for (int byte = 0; byte < 8; ++byte) hash = (hash ^ (bits >> 8 * byte & 0xff)) * 0x100000001b3u;
+        }
+    return hash;
+}
+
+template <int d>
+void check_fingerprint(std::array<double, d> length, double density, double shear_rate,
+                       std::uint64_t expected) {
+    double volume = density;
+    for (double const side : length) volume *= side;
+    auto simulation = gas<d>(length, static_cast<Eigen::Index>(volume), shear_rate, 0.05);
+    simulation.stages = {{"shardlow", Shardlow<d>{.friction = 4.5}},
+                         {"verlet", Verlet<d, Soft>{.potential = Soft{.strength = 25.0}}}};
+    for (int step = 0; step < 400; ++step) simulation.advance();
+    BOOST_TEST(fingerprint(simulation.particles) == expected);
+}
+
+// An engine that is faster must not order updates or sums in another way: what is in caches and in figures
+// would no longer be its results. A change that means to raises engine_revision, and these numbers change.
+// The boxes have sides of more than three cutoffs, of two to three, and of just two.
+BOOST_AUTO_TEST_CASE(
+    trajectories_have_the_bits_of_this_revision,
+    *boost::unit_test::enable_if<std::string_view(build_flags).find("native") == std::string_view::npos>()) {
+    BOOST_TEST(engine_revision == 1);
+    check_fingerprint<3>({8.0, 9.0, 7.0}, 3.0, 0.0, 9073724686332728732u);
+    check_fingerprint<3>({8.0, 9.0, 7.0}, 3.0, 0.1, 523167668566299233u);
+    check_fingerprint<3>({2.5, 9.0, 7.0}, 3.0, 0.1, 10627007541915556028u);
+    check_fingerprint<3>({7.0, 2.5, 3.5}, 3.0, 0.0, 15963483405510592059u);
+    check_fingerprint<3>({7.0, 3.5, 2.5}, 1.0, 0.1, 11586832308265552895u);
+    check_fingerprint<3>({2.0, 2.5, 2.2}, 8.0, 0.0, 11331108954260861096u);
+    check_fingerprint<2>({12.0, 9.0}, 3.0, 0.1, 6570690872143489827u);
+    check_fingerprint<2>({2.6, 2.1}, 6.0, 0.0, 11251355811898465636u);
 }
