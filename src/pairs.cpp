@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "wide.hpp"
+#include "pair_loop.hpp"
 
 namespace dpd {
 
@@ -52,9 +52,6 @@ void PairSearch<d>::find(Particles<d> const& particles, Box<d> const& box, doubl
 }
 
 namespace {
-
-// Few enough for the nearest cache.
-constexpr std::size_t separated_at_once = 256;
 
 // Both searches find the pairs across the sheared boundary last.
 template <int d>
@@ -262,8 +259,8 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
         pairs.grow_to(begin + most + simd::widest);
         std::size_t const end =
             begin + simd::find_near(sorted, candidates_, limit, &pairs.i[begin], &pairs.j[begin]);
-        for (std::size_t from = begin; from < end; from += separated_at_once)
-            separate(particles, nearest_image, from, std::min(separated_at_once, end - from), pairs);
+        for (std::size_t from = begin; from < end; from += block_size)
+            separate(particles, nearest_image, from, std::min(block_size, end - from), pairs);
     }
 }
 

@@ -46,9 +46,9 @@ HWY_INLINE hn::Vec<Rows> to_front(Rows rows, hn::Vec<Rows> row, hn::Mask<Rows> m
     }
 }
 
-// A vector of candidates meets all particles of the home cells before the next one is loaded. So neighbours
-// in the list seldom share their first particle, and updates that need not wait for each other follow each
-// other; the pairs of a particle keep their order.
+// A vector of candidates meets all particles of the home cells before the next one is loaded. So the list
+// changes the first particle more often, which lets some updates overlap; pairs that share a particle keep
+// their order.
 template <int d>
 HWY_INLINE std::size_t near_lanes(Sorted<d> const& sorted, std::span<Candidates const> cells,
                                   float limit_squared, std::uint32_t* i, std::uint32_t* j) {
