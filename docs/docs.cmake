@@ -60,12 +60,12 @@ endforeach()
 
 add_custom_target(docs
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${DPDREF_BOOK}/html
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/equations.py --write ${DPDREF_BOOK}
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/equations.py --write ${DPDREF_BOOK}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/docs/gallery.py ${DPDREF_BOOK}/gallery.md
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/claims.py --out ${DPDREF_BOOK}/claims.md
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/claims.py --out ${DPDREF_BOOK}/claims.md
     COMMAND ${DOXYGEN_EXECUTABLE} ${DPDREF_BOOK}/Doxyfile
     ${DPDREF_COPY_MATHJAX}
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/links.py ${DPDREF_BOOK}/html
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/links.py ${DPDREF_BOOK}/html
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     COMMENT "The book: ${DPDREF_BOOK}/html/index.html"
     VERBATIM)

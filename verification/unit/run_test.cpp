@@ -19,7 +19,7 @@
 #include "errors.hpp"
 #include "particles.hpp"
 #include "scene.hpp"
-#include "storage.hpp"
+#include "archive.hpp"
 
 using namespace dpd;
 

@@ -16,7 +16,7 @@ import re
 import sys
 import tomllib
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 MARK = re.compile(r"@eq\{\s*(\w+)\s*,\s*(\d+)\s*\}")
 KEYS = {"what", "code", "tests", "figures", "none", "untested"}
 
@@ -105,7 +105,7 @@ def marked_code():
     """(paper, equation) -> [(name, file, line)] of what follows each marked comment."""
     found = {}
     for folder in ("src", "theory"):
-        for file in sorted((ROOT / folder).glob("*.[ch]pp")):
+        for file in sorted((ROOT / folder).rglob("*.[ch]pp")):
             lines = read(file).splitlines()
             for number, line in enumerate(lines):
                 for paper, n in MARK.findall(line):
@@ -175,7 +175,7 @@ def lost_listings():
                 continue
             command, wanted = match[1], match[2].strip()
             if command == "dontinclude":
-                files = [folder / wanted for folder in folders if (folder / wanted).is_file()]
+                files = [file for folder in folders for file in folder.rglob(wanted)]
                 text, at = (read(files[0]) if files else ""), 0
                 found = bool(files)
             else:

@@ -1,4 +1,4 @@
-#include "storage.hpp"
+#include "archive.hpp"
 
 #include <H5Cpp.h>
 #include <fmt/format.h>

@@ -12,7 +12,7 @@
 #include <numeric>
 
 #include "stages.hpp"
-#include "storage.hpp"
+#include "archive.hpp"
 #include "theory/closed_forms.hpp"
 #include "version.hpp"
 

@@ -18,7 +18,7 @@ import statistics
 import subprocess
 import sys
 
-SCENE = pathlib.Path(__file__).resolve().parent / "scenes" / "cost" / "gas.toml"
+SCENE = pathlib.Path(__file__).resolve().parents[1] / "scenes" / "cost" / "gas.toml"
 
 
 def scene(stages, *assignments, steps=1000):

@@ -15,7 +15,7 @@
 
 #include "errors.hpp"
 #include "figure.hpp"
-#include "storage.hpp"
+#include "archive.hpp"
 #include "toml_reader.hpp"
 
 namespace dpd {

@@ -25,7 +25,7 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 CLONE = ("CMakeLists.txt", "CMakePresets.json", "CITATION.cff", "LICENSE", "README.md", "dpdrefConfig.cmake.in",
          "docs", "figures", "src", "theory", "verification")
 BUILT = ("dpdref", "libdpdref_engine.a", "libdpdref_theory.a")
@@ -200,7 +200,7 @@ def run(command, root, cpu_limit=CPU_LIMIT):
     except subprocess.TimeoutExpired:
         return f"no end after {WALL_LIMIT} s", ""
     if result.returncode in (-9, -24, 137, 152):
-        return f"more than {cpu_limit} s of CPU time: give it a rule in verification/commands.py", result.stdout
+        return f"more than {cpu_limit} s of CPU time: give it a rule in verification/tools/commands.py", result.stdout
     if result.returncode != 0:
         return f"exit code {result.returncode}", result.stdout
     return (None if result.stdout.strip() else "prints nothing"), result.stdout
@@ -232,8 +232,8 @@ def generated_pages(root):
     """The book's pages that scripts write, as docs/docs.cmake does"""
     made = root / "made"
     made.mkdir()
-    for script in (["verification/equations.py", "--write", "made"], ["docs/gallery.py", "made/gallery.md"],
-                   ["verification/claims.py", "--out", "made/claims.md"]):
+    for script in (["verification/tools/equations.py", "--write", "made"], ["docs/gallery.py", "made/gallery.md"],
+                   ["verification/tools/claims.py", "--out", "made/claims.md"]):
         # whether they find mistakes is for the tests equations and claims
         subprocess.run([sys.executable, "-B", *script], cwd=root, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL, check=False)
@@ -264,17 +264,18 @@ def all_commands(root, configured):
 # --- the tutorial: docs/adding_a_stage.md
 
 STAGE = "body_force"
-MARKED = {"src/stages.hpp": ["body force"], "src/stages.cpp": ["body force", "body force instances"],
-          "src/scene.cpp": ["body force"], "src/run.cpp": ["body force"]}
+MARKED = {"src/engine/stages.hpp": ["body force"], "src/engine/stages.cpp": ["body force", "body force instances"],
+          "src/scene/scene.cpp": ["body force"], "src/run/run.cpp": ["body force"]}
 # its entries in lists that the page shows as a whole
-LISTED = [("src/scene.cpp", "stage names"), ("src/scene.cpp", "stage tables")]
+LISTED = [("src/scene/scene.cpp", "stage names"), ("src/scene/scene.cpp", "stage tables")]
 PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(without_stage LANGUAGES CXX)
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_CXX_FLAGS "-O0")
 find_package(dpdref REQUIRED)
-add_executable(without_stage {main} src/stages.cpp src/run.cpp src/scene.cpp)
+add_executable(without_stage {main} src/engine/stages.cpp src/run/run.cpp src/scene/scene.cpp)
+target_include_directories(without_stage BEFORE PRIVATE src/engine)
 target_link_libraries(without_stage PRIVATE dpdref::engine)
 """
 
@@ -318,7 +319,8 @@ def tutorial(root, build):
     if wrong:
         sys.exit(f"cmake --install: {wrong}\n{output}")
     without_stage(root)
-    main = next((path for path in build.glob("CMakeFiles/dpdref.dir/src/main.cpp.o")), root / "src" / "main.cpp")
+    main = next((path for path in build.glob("CMakeFiles/dpdref.dir/src/cli/main.cpp.o")),
+                root / "src" / "cli" / "main.cpp")
     (root / "CMakeLists.txt").write_text(PROJECT.format(main=main), encoding="utf-8")
     scene = ("run verification/scenes/ideal_gas_shear.toml --set box.shear_rate=0 --set time.duration=2 "
              "--set time.equilibration=1 --set body_force.acceleration=0.002 "

@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 
-SCENES = pathlib.Path(__file__).resolve().parent / "scenes" / "race"
+SCENES = pathlib.Path(__file__).resolve().parents[1] / "scenes" / "race"
 NAMES = sorted(scene.stem for scene in SCENES.glob("*.toml"))
 SKINS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
 

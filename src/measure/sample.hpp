@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "simulation.hpp"
-#include "storage.hpp"
+#include "archive.hpp"
 
 namespace dpd {
 
