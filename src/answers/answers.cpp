@@ -12,6 +12,7 @@
 
 #include "conventions.hpp"
 #include "integrators.hpp"
+#include "derived.hpp"
 #include "picture.hpp"
 #include "theory/closed_forms.hpp"
 #include "theory/registry.hpp"

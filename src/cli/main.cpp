@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "analysis.hpp"
 #include "answers.hpp"
 #include "compare.hpp"
 #include "conventions.hpp"

@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 
+#include "derived.hpp"
 #include "picture.hpp"
 #include "progress.hpp"
 #include "theory/closed_forms.hpp"

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis.hpp"
 #include "campaign.hpp"
 #include "run.hpp"
 #include "scene.hpp"

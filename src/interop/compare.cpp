@@ -13,9 +13,10 @@
 #include <set>
 #include <span>
 
+#include "archive.hpp"
 #include "errors.hpp"
 #include "figure.hpp"
-#include "archive.hpp"
+#include "run.hpp"
 #include "toml_reader.hpp"
 
 namespace dpd {

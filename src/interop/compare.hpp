@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "run.hpp"
+#include "analysis.hpp"
 #include "statistics.hpp"
 
 namespace dpd {

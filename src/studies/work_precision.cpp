@@ -14,6 +14,7 @@
 #include "integrators.hpp"
 #include "picture.hpp"
 #include "progress.hpp"
+#include "run.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis.hpp"
 #include "figure.hpp"
-#include "run.hpp"
 #include "statistics.hpp"
 
 namespace dpd {

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis.hpp"
+#include "derived.hpp"
 #include "errors.hpp"
 #include "run.hpp"
 #include "scene.hpp"

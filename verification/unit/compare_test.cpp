@@ -15,9 +15,10 @@
 #include <functional>
 #include <random>
 
+#include "archive.hpp"
 #include "errors.hpp"
 #include "figure.hpp"
-#include "archive.hpp"
+#include "run.hpp"
 #include "toml_reader.hpp"
 
 using namespace dpd;

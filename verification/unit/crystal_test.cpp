@@ -16,6 +16,7 @@
 #include <tuple>
 #include <vector>
 
+#include "analysis.hpp"
 #include "run.hpp"
 #include "sample.hpp"
 #include "scene.hpp"

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis.hpp"
 #include "run.hpp"
 #include "scene.hpp"
 #include "stages.hpp"

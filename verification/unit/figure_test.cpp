@@ -21,6 +21,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis.hpp"
+#include "derived.hpp"
 #include "errors.hpp"
 #include "run.hpp"
 #include "theory/closed_forms.hpp"

@@ -15,6 +15,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "analysis.hpp"
 #include "run.hpp"
 #include "toml_reader.hpp"
 

@@ -16,10 +16,11 @@
 #include <string>
 #include <vector>
 
+#include "analysis.hpp"
+#include "archive.hpp"
 #include "errors.hpp"
 #include "particles.hpp"
 #include "scene.hpp"
-#include "archive.hpp"
 
 using namespace dpd;
 

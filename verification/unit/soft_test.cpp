@@ -20,6 +20,7 @@
 #include <tuple>
 #include <vector>
 
+#include "analysis.hpp"
 #include "rescale.hpp"
 #include "run.hpp"
 #include "sample.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "run.hpp"
+#include "analysis.hpp"
 #include "sample.hpp"
 #include "scene.hpp"
 #include "stages.hpp"

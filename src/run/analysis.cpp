@@ -1,0 +1,136 @@
+#include "analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "channel.hpp"
+#include "integrals_of_g.hpp"
+#include "records.hpp"
+#include "transport.hpp"
+
+namespace dpd {
+
+std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& records) {
+    std::vector<Quantity> quantities;
+    auto const add = [&](std::string name, Estimate estimate) {
+        if (estimate.blocks > 0) quantities.push_back({std::move(name), estimate});
+    };
+    add("kinetic_temperature", combine(series_of(records, "kinetic_temperature")));
+    double largest_momentum = 0.0;
+    auto const momenta = series_of(records, "momentum");
+    for (auto const& momentum : momenta)
+        for (double const value : momentum) largest_momentum = std::max(largest_momentum, value);
+    if (!momenta.empty()) add("largest_momentum", {.value = largest_momentum, .error = 0.0, .blocks = 1});
+
+    for (char const* name : {"potential_energy", "pressure"}) add(name, combine(series_of(records, name)));
+    add("configurational_temperature",
+        ratio_of(series_of(records, "force_squared"), series_of(records, "laplacian")));
+
+    auto kinetic = series_of(records, "kinetic_stress"), collision = series_of(records, "collision_stress"),
+         potential = series_of(records, "potential_stress");
+    // the same mean with a smaller error
+    if (auto friction = series_of(records, "friction_stress"); !friction.empty()) collision = friction;
+    if (scene.shear_rate != 0.0) {
+        auto total = kinetic, rest = kinetic;
+        for (std::size_t r = 0; r < total.size(); ++r)
+            for (std::size_t k = 0; k < total[r].size(); ++k) {
+                kinetic[r][k] /= scene.shear_rate;
+                collision[r][k] /= scene.shear_rate;
+                rest[r][k] = collision[r][k];
+                if (!potential.empty()) rest[r][k] += potential[r][k] /= scene.shear_rate;
+                total[r][k] = kinetic[r][k] + rest[r][k];
+            }
+        add("kinetic_viscosity", combine(kinetic));
+        add("collision_viscosity", combine(collision));
+        add("potential_viscosity", combine(potential));
+        add("viscosity", combine(total));
+        // of what pairs carry over what particles carry
+        add("viscosity_ratio", ratio_of(rest, kinetic));
+    } else {
+        add("kinetic_stress", combine(kinetic));
+        add("collision_stress", combine(collision));
+        add("potential_stress", combine(potential));
+    }
+    if (scene.sample.green_kubo_window > 0) add("green_kubo_viscosity", green_kubo_viscosity(scene, records));
+    if (scene.shear_rate != 0.0)
+        add("profile_slope",
+            by_block(curves_of(records, "velocity_profile"), [&](auto const& curve, auto const& mean) {
+                return relative_slope(curve, mean, scene.shear_rate);
+            }));
+    add("pair_density",
+        by_block(curves_of(records, "radial_distribution"), [&](auto const& curve, auto const& mean) {
+            // share of pairs within the range over that of a uniform gas
+            double found = 0.0, uniform = 0.0;
+            for (Eigen::Index bin = 0; bin < mean.size(); ++bin) {
+                double const shell =
+                    std::pow(double(bin + 1), scene.dimension) - std::pow(double(bin), scene.dimension);
+                found += mean[bin] * shell;
+                uniform += shell;
+            }
+            static_cast<void>(curve);
+            return found / uniform;
+        }));
+    int const components = diffusing_components(scene);
+    add("diffusion_constant",
+        by_block(curves_of(records, "mean_square_displacement"), [&](auto const& curve, auto const& mean) {
+            return diffusion_from(curve, mean, components);
+        }));
+    add("green_kubo_diffusion_constant",
+        by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
+            // the trapezium rule is exact for free streaming in steps of the spacing
+            return (mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1]) * (curve.x[1] - curve.x[0]) /
+                   components;
+        }));
+    // first moment over the square of the integral: 1 for an exponential
+    add("correlation_moment",
+        by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
+            Eigen::Map<Eigen::ArrayXd const> const t(curve.x.data(), mean.size());
+            double const integral = mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1];
+            return mean[0] * (t * mean).sum() / (t[1] * integral * integral);
+        }));
+    std::vector<Curve> const temperatures = temperature_profiles(scene, records);
+    std::vector<Curve const*> profiles;
+    for (auto const& profile : temperatures) profiles.push_back(&profile);
+    add("profile_temperature", by_block(profiles, [](auto const&, auto const& mean) { return mean.mean(); }));
+    // share of cos(4 pi y/L), along which two opposed flows dissipate
+    add("temperature_modulation", by_block(profiles, [&](auto const& curve, auto const& mean) {
+            Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
+            return 2.0 * (mean * (4.0 * std::numbers::pi / scene.length[1] * y).cos()).mean() / mean.mean();
+        }));
+    for (char const* name : {"global_q4", "local_q4", "global_q6", "local_q6"})
+        add(name, combine(series_of(records, name)));
+    add_channel(scene, records, add);
+    add_integrals_of_g(scene, records, add);
+    return quantities;
+}
+
+CurveEstimate curve_of(Scene const& scene, std::vector<Record> const& records, std::string const& name) {
+    std::vector<Curve> derived =
+        name == "temperature_profile" ? temperature_profiles(scene, records) : std::vector<Curve>{};
+    if (name == "channel_profile")
+        for (Curve const* const velocity : curves_of(records, "velocity_profile"))
+            derived.push_back(channel_profile(scene, *velocity));
+    auto curves = curves_of(records, name);
+    for (auto const& curve : derived) curves.push_back(&curve);
+    CurveEstimate result;
+    if (curves.empty()) return result;
+    result.x = curves.front()->x;
+    double const components = name == "velocity_autocorrelation" ? diffusing_components(scene) : 1.0;
+    for (std::size_t bin = 0; bin < result.x.size(); ++bin) {
+        std::vector<double> values;
+        for (Curve const* const curve : curves)
+            for (double const mean : curve->block_means(Eigen::Index(bin)))
+                values.push_back(mean / components);
+        result.y.push_back(independent(values));
+    }
+    return result;
+}
+
+Quantity const* find_quantity(std::vector<Quantity> const& quantities, std::string_view name) {
+    auto const found =
+        std::find_if(quantities.begin(), quantities.end(), [&](auto const& q) { return q.name == name; });
+    return found == quantities.end() ? nullptr : &*found;
+}
+
+}  // namespace dpd

@@ -1,0 +1,165 @@
+#include "channel.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <map>
+
+#include "records.hpp"
+#include "theory/closed_forms.hpp"
+
+namespace dpd {
+namespace {
+
+// One bin of a plane Poiseuille flow: height above the lower wall, and the direction in which the fluid is
+// driven.
+struct ChannelBin {
+    Eigen::Index bin;
+    double z, direction;
+};
+
+// The bins of a profile that lie in the channel: between walls, or in one of two opposed flows, each half a
+// box wide. None without a flow.
+std::vector<ChannelBin> channel_bins(Scene const& scene, Curve const& profile) {
+    std::vector<ChannelBin> bins;
+    if (!scene.has_stage("body_force") || (scene.wall == 0.0 && !scene.body_force.opposed)) return bins;
+    double const width = scene.channel_width();
+    for (std::size_t b = 0; b < profile.x.size(); ++b) {
+        bool const upper = scene.body_force.opposed && profile.x[b] >= width;
+        double const z = upper ? profile.x[b] - width : profile.x[b] - scene.wall;
+        if (z > 0.0 && z < width) bins.push_back({Eigen::Index(b), z, upper ? -1.0 : 1.0});
+    }
+    return bins;
+}
+
+// Least squares for u = sum over columns of c_k f_k.
+Eigen::VectorXd fit(Eigen::MatrixXd const& f, Eigen::VectorXd const& u) {
+    return f.colPivHouseholderQr().solve(u);
+}
+
+// The power-law profile that fits best; index 1 is the parabola. PK2006 sect. IV.
+struct PowerLaw {
+    double maximum = 0.0, index = 1.0;
+};
+PowerLaw fit_power_law(Eigen::VectorXd const& z, Eigen::VectorXd const& u, double width) {
+    Eigen::MatrixXd shape(z.size(), 1);
+    auto const fitted = [&](double index) {
+        for (Eigen::Index k = 0; k < z.size(); ++k)
+            shape(k, 0) = theory::power_law_velocity(1.0, index, width, z[k]);
+        return fit(shape, u)[0];
+    };
+    constexpr double least = 0.05, most = 20.0;
+    constexpr int bits = 24;  // of a minimum that is flat: more is noise
+    auto const [logarithm, residual] = boost::math::tools::brent_find_minima(
+        [&](double x) {
+            double const maximum = fitted(std::exp(x));
+            return (u - maximum * shape.col(0)).squaredNorm();
+        },
+        std::log(least), std::log(most), bits);
+    static_cast<void>(residual);
+    return {fitted(std::exp(logarithm)), std::exp(logarithm)};
+}
+
+}  // namespace
+
+void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuantity const& add) {
+    auto const velocities = curves_of(records, "velocity_profile");
+    auto const densities = curves_of(records, "density_profile");
+    if (velocities.empty()) return;
+    double const width = scene.channel_width(), n = scene.density();
+    auto const bins = channel_bins(scene, *velocities.front());
+    if (bins.size() < 4 || scene.body_force.acceleration == 0.0) return;
+    auto const size = static_cast<Eigen::Index>(bins.size());
+    Eigen::VectorXd z(size);
+    for (Eigen::Index k = 0; k < size; ++k) z[k] = bins[std::size_t(k)].z;
+    Eigen::MatrixXd parabola(size, 2);
+    parabola.col(0) = z.array() * (width - z.array());
+    parabola.col(1).setOnes();
+    double const force = scene.mass * scene.body_force.acceleration;
+
+    // f(profile in the direction of the flow), for each block
+    auto const over = [&](std::vector<Curve const*> const& curves, bool directed, auto&& f) {
+        std::vector<double> values;
+        for (Curve const* const curve : curves)
+            for (Eigen::Index block = 0; block < curve->sum.cols(); ++block) {
+                Eigen::VectorXd u(size);
+                bool whole = true;
+                for (Eigen::Index k = 0; k < size; ++k) {
+                    auto const& at = bins[std::size_t(k)];
+                    double const weight = curve->weight(at.bin, block);
+                    whole &= weight > 0.0;
+                    u[k] = (directed ? at.direction : 1.0) * curve->sum(at.bin, block) / weight;
+                }
+                if (whole) values.push_back(f(u));
+            }
+        return independent(values);
+    };
+    add("poiseuille_viscosity", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            return n * force / (2.0 * fit(parabola.leftCols(1), u)[0]);
+        }));
+    Estimate const fastest =
+        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).maximum; });
+    add("maximum_velocity", fastest);
+    add("power_law_index",
+        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).index; }));
+    add("slip", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            Eigen::VectorXd const c = fit(parabola, u);
+            return c[1] / (c[0] * width * width / 4.0);
+        }));
+    add("bulk_density", over(densities, false, [&](Eigen::VectorXd const& density) {
+            double sum = 0.0, count = 0.0;
+            for (Eigen::Index k = 0; k < size; ++k)
+                if (std::abs(z[k] / width - 0.5) < 0.25) sum += density[k], count += 1.0;
+            return sum / (count * n);
+        }));
+    add("density_peak",
+        over(densities, false, [&](Eigen::VectorXd const& density) { return density.maxCoeff() / n; }));
+    if (!scene.coarse_graining || scene.coarse_graining->viscosity == 0.0) return;
+    double const eta = scene.coarse_graining->viscosity;
+    Eigen::VectorXd expected(size);
+    for (Eigen::Index k = 0; k < size; ++k)
+        expected[k] = theory::poiseuille_velocity(n, force, eta, width, z[k]);
+    double const maximum = theory::poiseuille_maximum_velocity(n, force, eta, width);
+    add("navier_stokes_deviation", over(velocities, true, [&](Eigen::VectorXd const& u) {
+            return std::sqrt((u - expected).squaredNorm() / double(size)) / maximum;
+        }));
+    auto const fastest_over = [&](double speed) {
+        Estimate ratio = fastest;
+        ratio.value /= speed;
+        ratio.error /= speed;
+        return ratio;
+    };
+    add("navier_stokes_ratio", fastest_over(maximum));
+    theory::CoarseGraining const map{.Nm = scene.coarse_graining->atoms_per_particle};
+    double const kT = scene.thermostat_kT();
+    add("mach_number",
+        fastest_over(theory::groot_warren_sound_speed({.n = n, .m = scene.mass, .kT = kT},
+                                                      theory::conservative_coefficient(map, kT), map.alpha)));
+}
+
+Curve channel_profile(Scene const& scene, Curve const& velocity) {
+    double length = 1.0, speed = 1.0;
+    if (scene.coarse_graining && scene.coarse_graining->viscosity > 0.0) {
+        theory::CoarseGraining const map{.Nm = scene.coarse_graining->atoms_per_particle};
+        length = theory::cutoff_radius(map);
+        speed = length / theory::time_unit(map, scene.coarse_graining->viscosity);
+    }
+    std::map<double, std::vector<ChannelBin>> by_height;
+    for (auto const& bin : channel_bins(scene, velocity))
+        by_height[std::round(bin.z * 1e9) * 1e-9].push_back(bin);
+    Curve profile;
+    profile.resize(by_height.size());
+    Eigen::Index to = 0;
+    for (auto const& [z, bins] : by_height) {
+        profile.x[std::size_t(to)] = z * length;
+        for (auto const& from : bins) {
+            profile.sum.row(to) += from.direction * speed * velocity.sum.row(from.bin);
+            profile.weight.row(to) += velocity.weight.row(from.bin);
+        }
+        ++to;
+    }
+    return profile;
+}
+
+}  // namespace dpd

@@ -1,0 +1,98 @@
+#include "transport.hpp"
+
+#include <cstddef>
+#include <numeric>
+
+#include "records.hpp"
+
+namespace dpd {
+
+// Slope of the mean-square displacement over the second half of its lags, over twice the number of
+// components.
+double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int components) {
+    auto const last = static_cast<Eigen::Index>(curve.x.size()) - 1;
+    Eigen::Index const first = last / 2;
+    return (mean[last] - mean[first]) /
+           (2.0 * components *
+            (curve.x[static_cast<std::size_t>(last)] - curve.x[static_cast<std::size_t>(first)]));
+}
+
+// Least-squares slope of the velocity profile over the imposed shear rate.
+double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double shear_rate) {
+    Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
+    Eigen::ArrayXd const centred = y - y.mean();
+    return (centred * mean).sum() / centred.square().sum() / shear_rate;
+}
+
+std::vector<Curve> temperature_profiles(Scene const& scene, std::vector<Record> const& records) {
+    std::vector<Curve> profiles;
+    auto const velocities = curves_of(records, "velocity_profile");
+    for (Curve const* const square : curves_of(records, "velocity_squared_profile")) {
+        Curve const& velocity = *velocities[profiles.size()];
+        Curve profile = *square;
+        Eigen::Map<Eigen::ArrayXd const> const y(profile.x.data(), profile.sum.rows());
+        for (Eigen::Index block = 0; block < profile.sum.cols(); ++block) {
+            Eigen::ArrayXd const flow = velocity.sum.col(block) / velocity.weight.col(block) -
+                                        scene.shear_rate * (y - 0.5 * scene.length[1]);
+            profile.sum.col(block) = scene.mass / scene.dimension *
+                                     (profile.sum.col(block) / profile.weight.col(block) - flow.square());
+            profile.weight.col(block) = (profile.weight.col(block) > 0.0).cast<double>();
+        }
+        profile.sum = (profile.weight > 0.0).select(profile.sum, 0.0);
+        profiles.push_back(std::move(profile));
+    }
+    return profiles;
+}
+
+namespace {
+
+// The mean square of a stress summed over a window of time, for every start of it and each eighth of the
+// series: <G^2>, G(t) = dt sum of sigma. It grows as 2 kT eta t/V once t exceeds the memory of the stress.
+std::vector<double> mean_square_impulse(std::vector<double> const& stress, double dt, std::size_t window) {
+    std::vector<double> means;
+    std::size_t const length = stress.size() / curve_blocks;
+    for (std::size_t block = 0; block < curve_blocks && length > window; ++block) {
+        auto const from = stress.begin() + std::ptrdiff_t(block * length);
+        double impulse = dt * std::accumulate(from, from + std::ptrdiff_t(window), 0.0), sum = 0.0;
+        std::size_t const origins = length - window;
+        for (std::size_t k = 0; k < origins; ++k) {
+            sum += impulse * impulse;
+            impulse += dt * (from[std::ptrdiff_t(k + window)] - from[std::ptrdiff_t(k)]);
+        }
+        means.push_back(sum / double(origins));
+    }
+    return means;
+}
+
+// The stress that all of the fluid carries, the pairs' noise included, at each step of a run.
+std::vector<double> total_stress(Record const& record) {
+    std::vector<double> total = record.series.at("kinetic_stress");
+    for (char const* name : {"collision_stress", "potential_stress"})
+        if (auto const part = record.series.find(name); part != record.series.end())
+            for (std::size_t k = 0; k < total.size(); ++k) total[k] += part->second[k];
+    return total;
+}
+
+}  // namespace
+
+// The shear viscosity of a fluid at rest from the growth of <G^2> over the second half of the window. The
+// stress counts whole impulses, noise too, so that it is the momentum that crosses planes in a step and no
+// term has to be added by hand, as it has to where forces are sampled at an instant (M. H. Ernst & R. Brito,
+// Europhys. Lett. 73 (2006) 183). E. Helfand, Phys. Rev. 119 (1960) 1.
+// [green kubo]
+Estimate green_kubo_viscosity(Scene const& scene, std::vector<Record> const& records) {
+    std::size_t const window = scene.sample.green_kubo_window;
+    double const per_time = scene.volume() / (scene.thermostat_kT() * double(window) * scene.time_step);
+    std::vector<double> values;
+    for (auto const& record : records) {
+        auto const stress = total_stress(record);
+        auto const whole = mean_square_impulse(stress, scene.time_step, window),
+                   half = mean_square_impulse(stress, scene.time_step, window / 2);
+        for (std::size_t block = 0; block < whole.size(); ++block)
+            values.push_back((whole[block] - half[block]) * per_time);
+    }
+    return independent(values);
+}
+// [green kubo]
+
+}  // namespace dpd
