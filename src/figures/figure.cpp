@@ -161,7 +161,7 @@ double theory_value(std::string const& id, std::map<std::string, std::string> co
     theory::ClosedForm const& form = *theory::find(id);
     std::vector<std::pair<std::string, std::string>> given;
     for (auto const& [name, text] : arguments) {
-        auto const takes = [&](auto const& names) {
+        auto const takes = [&name = name](auto const& names) {
             return std::find(names.begin(), names.end(), name) != names.end();
         };
         if (takes(form.parameters) || takes(form.without_effect)) given.emplace_back(name, text);

@@ -45,7 +45,7 @@ std::string replaced(std::string text, std::string const& from, std::string cons
     return text.replace(at, from.size(), to);
 }
 
-std::vector<double> const& series_of(CodeOutput const& output, std::string const& name) {
+std::vector<double> series_of(CodeOutput const& output, std::string const& name) {
     for (auto const& [column, samples] : output.series)
         if (column == name) return samples;
     BOOST_FAIL("no column " + name);
@@ -59,7 +59,7 @@ Reference reference_of(std::vector<Quantity> quantities) {
     return reference;
 }
 
-Estimate const& estimate_of(Averages const& averages, std::string const& name) {
+Estimate estimate_of(Averages const& averages, std::string const& name) {
     auto const* const found = find_quantity(averages.quantities, name);
     BOOST_REQUIRE_MESSAGE(found, "no " + name);
     return found->estimate;
@@ -99,7 +99,7 @@ BOOST_AUTO_TEST_CASE(a_log_of_two_runs) {
     auto const averages = average({last}, fluid, {}, {});
     double sum = 0.0;
     for (double const x : series_of(last, "Temp")) sum += x;
-    auto const& kT = estimate_of(averages, "kinetic_temperature");
+    auto const kT = estimate_of(averages, "kinetic_temperature");
     // blocking leaves out a remainder that is shorter than a block
     BOOST_TEST(std::abs(kT.value - sum / 31.0) < 0.02);
     BOOST_TEST(kT.value == blocking(series_of(last, "Temp")).value);
@@ -313,7 +313,7 @@ BOOST_AUTO_TEST_CASE(displacements_become_a_diffusion_constant) {
     squares[0] = 1e6;  // the first half of the lags does not count
     output.series = {{"lag", lag}, {"mean_square_displacement", squares}};
     auto const averages = average({output}, fluid, {}, {});
-    auto const& d = estimate_of(averages, "diffusion_constant");
+    auto const d = estimate_of(averages, "diffusion_constant");
     BOOST_TEST(d.value == 0.4, boost::test_tools::tolerance(1e-9));
     BOOST_TEST(d.blocks > 4u);
     BOOST_TEST(averages.quantities.size() == 1u);

@@ -11,22 +11,28 @@
 #else
 #define DPDREF_WIDE
 #endif
+#if defined(__clang__)  // looks for itself whether the columns overlap
+#define DPDREF_INDEPENDENT
+#else
+#define DPDREF_INDEPENDENT _Pragma("GCC ivdep")
+#endif
 /// @endcond
 
 namespace dpd {
 
 /// Calls work(k) for k = 0 .. count-1; no call may need what another has written. Compiled once for each of
 /// three instruction sets, of which the program chooses one when it starts: all do the same operations on
-/// every k, so all give the same bits.
+/// every k, so all give the same bits. Static, because g++ 14 breaks down over clones of a function that
+/// several files share.
 template <class Work>
-DPDREF_WIDE void wide_loop(std::size_t count, Work work) {
-#pragma GCC ivdep
+DPDREF_WIDE static void wide_loop(std::size_t count, Work work) {
+    DPDREF_INDEPENDENT
     for (std::size_t k = 0; k < count; ++k) work(k);
 }
 
 /// The same for calls that must come one after the other.
 template <class Work>
-DPDREF_WIDE void ordered_loop(std::size_t begin, std::size_t end, Work work) {
+DPDREF_WIDE static void ordered_loop(std::size_t begin, std::size_t end, Work work) {
     for (std::size_t k = begin; k < end; ++k) work(k);
 }
 
