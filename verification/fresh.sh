@@ -28,14 +28,14 @@ if [ -n "$missing" ]; then
 fi
 
 if [ "$job" = figures ]; then
-    cmake --preset release -G Ninja
+    cmake --preset release
     cmake --build --preset release
     echo "regenerating all figures at the quick budget; they appear in figures/quick"
     build/release/dpdref figure all --budget quick
 else
     preset=release
     [ "${CI:-}" != true ] || preset=ci # warnings are errors
-    cmake --preset $preset -G Ninja
+    cmake --preset $preset
     cmake --build --preset $preset
     ctest --preset $preset
     [ "${CI:-}" != true ] || cmake --build --preset $preset --target docs # its warnings and broken links are errors

@@ -326,7 +326,7 @@ def tutorial(root, build):
              "--set time.equilibration=1 --set body_force.acceleration=0.002 "
              f"--set 'stages=[\"shardlow\",\"sample\",\"{STAGE}\",\"drift\"]'")
     failures = 0
-    for command in ("cmake -S . -B stripped -DCMAKE_PREFIX_PATH=$PWD/prefix", "cmake --build stripped",
+    for command in ("cmake -G Ninja -S . -B stripped -DCMAKE_PREFIX_PATH=$PWD/prefix", "cmake --build stripped",
                     "stripped/without_stage run verification/scenes/ideal_gas_shear.toml --set time.duration=2",
                     f"stripped/without_stage {scene} >refused 2>&1; "
                     f"[ $? -eq 2 ] && grep 'stages: .{STAGE}. is not allowed' refused",
