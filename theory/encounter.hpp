@@ -1,0 +1,45 @@
+/// @file
+/// Two particles meet in a medium: integrals over time of what their thermostat does to them. Derived in
+/// theory/memory.md.
+///
+/// Unit of length is the cutoff, of mass the particle's, of energy kT; so m = kT = rc = 1 here. r is the
+/// distance of the two, g their relative velocity, r^ the unit vector between them, [f] a volume integral.
+#pragma once
+
+#include "weight.hpp"
+
+namespace dpd::theory {
+
+/// A pair with the friction w(r) = friction weight(r), in a medium that exerts the friction `medium` on
+/// either of the two.
+struct Encounter {
+    int d = 3;
+    Weight weight = Weight::linear;
+    double friction = 0.0;
+    double medium = 0.0;  ///< rate at which the medium alone would relax a velocity
+};
+
+/// A number known from both sides. The mean of the bounds is much closer to it than either.
+struct Bounds {
+    double lower = 0.0, upper = 0.0;
+    double mean() const { return 0.5 * (lower + upper); }
+};
+
+/// \f$\int d\mathbf r\int_0^\infty dt\,\langle f(0)f(t)\,\hat{\mathbf r}_0\cdot\hat{\mathbf r}_t\rangle\f$
+/// with \f$f=w\,\hat{\mathbf r}\cdot\mathbf g\f$: what the force of one partner remembers of itself.
+/// `degree` (even, >= 2) is the highest degree of the polynomials in the velocity. Throws
+/// std::invalid_argument unless d is 2 or 3, the frictions are positive and the degree is allowed.
+Bounds force_memory(Encounter const& pair, int degree);
+
+/// The same for stresses, with \f$s=w\,r\,\hat x\hat y\,(\hat{\mathbf r}\cdot\mathbf g)\f$, the stress that
+/// the pair's friction carries, and \f$B=-w(\hat{\mathbf r}\cdot\mathbf g)(\hat xg_y+\hat yg_x)+4w\,\hat
+/// x\hat y\f$, the rate at which it changes \f$g_xg_y/2\f$.
+struct StressMemory {
+    Bounds collision;   ///< \f$\int\int\langle s(0)s(t)\rangle\f$
+    Bounds relaxation;  ///< \f$\int\int\langle B(0)B(t)\rangle\f$
+    Bounds
+        cross;  ///< \f$\int\int\langle s(0)B(t)\rangle\f$; the two truncations, which need not be bounds here
+};
+StressMemory stress_memory(Encounter const& pair, int degree);
+
+}  // namespace dpd::theory

@@ -1,0 +1,46 @@
+/// @file
+/// Transport of the ideal DPD gas with memory: what Noguchi & Gompper's closed forms leave out because they
+/// take every collision for one with a stranger. No parameter is fitted. Derived in theory/memory.md.
+///
+/// Throws as closed_forms.hpp does.
+#pragma once
+
+#include "closed_forms.hpp"
+
+namespace dpd::theory {
+
+/// How the momentum that a particle has lost comes back to it through the fluid around: relative changes
+/// of its friction and of the life of the kinetic stress.
+struct CollectiveMemory {
+    double friction = 0.0;       ///< part of its friction that the fluid gives back
+    double own_stress = 0.0;     ///< longer life of its own v_x v_y
+    double others_stress = 0.0;  ///< v_x v_y that the others take over, beyond what one partner does
+};
+
+/// The collective part alone, for a particle of friction zeta (1/time, D = kT/(m zeta)). Uses the gas and the
+/// shape of the weight. `box` is the side of a periodic square or cube, or infinity; in two dimensions the
+/// integrals diverge with the box, and std::domain_error is thrown without one.
+CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double box);
+
+/// A coefficient as a sum, and what the numerics may add to it.
+struct CoefficientWithMemory {
+    double at_once = 0.0;     ///< without memory: the form of the paper
+    double pair = 0.0;        ///< one partner that stays
+    double collective = 0.0;  ///< the fluid around
+    double cross = 0.0;       ///< kinetic stress that came from collision stress, or the other way
+    double error = 0.0;       ///< estimated numerical error
+    double value() const { return at_once + pair + collective + cross; }
+};
+
+struct TransportWithMemory {
+    CoefficientWithMemory diffusion_constant;
+    CoefficientWithMemory kinetic_viscosity;
+    CoefficientWithMemory collision_viscosity;
+};
+
+/// The three coefficients for dt -> 0, converged to 1e-4 of each (see `error`). Units as in closed_forms.hpp.
+/// `box` as above. Takes a second or two.
+TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat,
+                                          double box = std::numeric_limits<double>::infinity());
+
+}  // namespace dpd::theory
