@@ -30,6 +30,9 @@ struct DpdFluid {
 /// p of w_D = (1 - x)^p; nothing for the parabolic weight, which is no power of it.
 std::optional<double> exponent(Weight weight);
 
+/// Strength of the noise, sigma = (2 gamma kT)^(1/2), momentum/time^(1/2).
+double noise(DpdFluid const& fluid);
+
 using Assignments = std::vector<std::pair<std::string, std::string>>;
 
 /// How a code moves particles, as far as its forces' convention depends on it.

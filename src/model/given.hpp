@@ -1,0 +1,79 @@
+/// @file
+/// The parameters of a code as they were given.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "conventions.hpp"
+#include "errors.hpp"
+
+namespace dpd {
+
+/// A code's parameters as given, with the defaults of its keys.
+class Given {
+public:
+    Given(Code const& code, Assignments const& given) : code_(code), given_(given) {
+        for (auto it = given.begin(); it != given.end(); ++it) {
+            key(it->first);
+            if (std::any_of(given.begin(), it, [&](auto const& other) { return other.first == it->first; }))
+                throw InputError(fmt::format("{}: {}: given twice", code.name, it->first));
+        }
+    }
+
+    bool has(std::string_view name) const { return !text(name).empty(); }
+
+    /// Empty where the key may be missing and is.
+    std::string text(std::string_view name) const {
+        for (auto const& [given, value] : given_)
+            if (given == name) return value;
+        auto const& k = key(name);
+        if (k.fallback.empty())
+            throw InputError(fmt::format("{}: {}: is missing; it is: {}", code_.name, name, k.meaning));
+        return std::string(k.fallback == "-" ? "" : k.fallback);
+    }
+
+    double number(std::string_view name) const {
+        auto const value = text(name);
+        double number = 0.0;
+        auto const [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+        if (error != std::errc{} || end != value.data() + value.size() || !std::isfinite(number) ||
+            number < 0.0 || (number == 0.0 && !key(name).may_be_zero))
+            refuse(name, key(name).may_be_zero ? "a number >= 0" : "a number > 0");
+        return number;
+    }
+
+    Weight weight(std::string_view name) const {
+        if (auto const found = weight_from_name(text(name))) return *found;
+        refuse(name, weight_names);
+    }
+
+    /// The value is one that the code has and dpdref does not, or none at all.
+    [[noreturn]] void refuse(std::string_view name, std::string_view allowed) const {
+        throw InputError(
+            fmt::format("{}: {}: '{}' is not allowed; allowed: {}", code_.name, name, text(name), allowed));
+    }
+
+    std::string_view code() const { return code_.name; }
+
+private:
+    Key const& key(std::string_view name) const {
+        auto const found = std::ranges::find(code_.keys, name, &Key::name);
+        if (found != code_.keys.end()) return *found;
+        std::vector<std::string_view> names;
+        for (auto const& k : code_.keys) names.push_back(k.name);
+        throw InputError(
+            fmt::format("{}: {}: unknown key; allowed: {}", code_.name, name, fmt::join(names, ", ")));
+    }
+
+    Code const& code_;
+    Assignments const& given_;
+};
+
+}  // namespace dpd
