@@ -10,12 +10,15 @@
 #include <set>
 #include <sstream>
 
+#include "budget.hpp"
 #include "conventions.hpp"
 #include "integrators.hpp"
 #include "derived.hpp"
 #include "picture.hpp"
+#include "run_figure.hpp"
 #include "theory/closed_forms.hpp"
 #include "theory/registry.hpp"
+#include "theory_arguments.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
 
@@ -69,17 +72,10 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
     auto const interacting_settings = settings_of(interacting_table, "settings");
     interacting_table.finish();
 
-    std::uint64_t seeds = 1;
-    double scale = 1.0;
-    auto budgets = root.required_table("budget");
-    for (char const* const name : {"quick", "paper"}) {
-        auto table = budgets.required_table(name);
-        auto const its_seeds = table.integer("seeds", std::nullopt, positive_integer);
-        double const its_scale = table.number("duration_scale", 1.0, positive);
-        table.finish();
-        if (name == budget) seeds = its_seeds, scale = its_scale;
-    }
-    budgets.finish();
+    auto const [seeds, scale] = read_budget(root, budget, [](TomlReader& table) {
+        return std::pair{table.integer("seeds", std::nullopt, positive_integer),
+                         table.number("duration_scale", 1.0, positive)};
+    });
 
     std::vector<AppliesTo> closed_forms;
     for (auto& table : root.tables("closed_form")) {

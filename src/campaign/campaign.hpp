@@ -2,9 +2,11 @@
 /// Many independent pieces of work on several threads, with one line of progress.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,16 +36,46 @@ struct CampaignOptions {
     std::optional<Shard> shard = {};  ///< do only this part, into the cache
 };
 
-/// One piece of work. `work` may report the fraction that is done; it returns whether the cache held the
-/// result.
+/// Told now and then which fraction of a piece of work is done.
+using Report = std::function<void(double fraction)>;
+
+/// One piece of work. It returns whether the cache held the result.
 struct Job {
     double cost = 1.0;  ///< share of the whole, any unit
-    std::function<bool(std::function<void(double)> const& report)> work;
+    std::function<bool(Report const& report)> work;
 };
 
 /// Does the jobs in their order, which is that of their cost, `options.jobs` at a time. Throws the first
 /// error of a job, after which no further one is begun; or Interrupted on `options.stop`. With a shard it
 /// does its share only, says so in one line, and returns false: there is nothing to draw yet.
 bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions const& options);
+
+/// A piece of work with a result that several parts of a campaign may ask for, by the same key.
+template <class Result>
+struct Task {
+    std::string key;
+    double cost = 1.0;  ///< share of the whole, any unit
+    /// Fills in the result; returns whether the cache held it.
+    std::function<bool(Result& result, Report const& report)> work;
+};
+
+/// The results of all tasks by their keys, those that share a key done once, the longest first, as do_jobs
+/// does them. Nothing with a shard.
+template <class Result>
+std::optional<std::map<std::string, Result>> do_once(std::string const& title,
+                                                     std::vector<Task<Result>> const& tasks,
+                                                     CampaignOptions const& options) {
+    std::filesystem::create_directories(options.cache);
+    std::map<std::string, Result> results;
+    std::vector<Job> jobs;
+    for (auto const& task : tasks)
+        if (auto const [place, added] = results.try_emplace(task.key); added)
+            jobs.push_back({task.cost, [&task, &result = place->second](Report const& report) {
+                                return task.work(result, report);
+                            }});
+    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
+    if (!do_jobs(title, std::move(jobs), options)) return {};
+    return results;
+}
 
 }  // namespace dpd

@@ -1,11 +1,11 @@
-// Errors against run time, from the first parts of finished runs.
+#include "convergence.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "errors.hpp"
-#include "figure.hpp"
+#include "judge_figure.hpp"
 #include "theory/registry.hpp"
 
 namespace dpd {

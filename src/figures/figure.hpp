@@ -1,19 +1,17 @@
 /// @file
-/// Regenerating figures: a figure is a base scene, curves of parameter variations, and comparisons with
-/// closed forms. Defined by verification/ID/figure.toml, drawn by verification/ID/plot.gp; docs/figures.md.
+/// What a figure is: a base scene, curves of parameter variations, and comparisons with closed forms.
+/// Defined by verification/ID/figure.toml (define_figure.hpp), run (run_figure.hpp), compared
+/// (judge_figure.hpp), and drawn by verification/ID/plot.gp (write_figure.hpp); docs/figures.md.
 #pragma once
 
-#include <atomic>
+#include <array>
 #include <cmath>
 #include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis.hpp"
-#include "campaign.hpp"
-#include "run.hpp"
 #include "scene.hpp"
 #include "statistics.hpp"
 
@@ -26,6 +24,15 @@ enum class Relation {
     at_least,  ///< the theory is a lower bound
     differs,   ///< by more than the tolerance
 };
+
+inline constexpr std::array<std::string_view, 4> relation_names{"equal", "at_most", "at_least", "differs"};
+
+constexpr std::string_view name_of(Relation relation) {
+    return relation_names[static_cast<std::size_t>(relation)];
+}
+
+/// Before a quantity's name: its slope in logarithms from the point before.
+inline constexpr std::string_view exponent_prefix = "exponent:";
 
 /// What a measured quantity is held against.
 struct Criterion {
@@ -49,15 +56,6 @@ struct Comparison {
     std::uint64_t runs = 0;
     double seconds = 0.0;  ///< run time of all runs behind the point
 };
-
-/// Probability that any comparison of a report disagrees by chance although all are true.
-inline constexpr double family_false_alarm = 0.01;
-
-/// Verdict of one among `family` comparisons.
-Verdict judge(Comparison const& comparison, std::size_t family);
-
-/// Seconds more that would decide an undecided comparison.
-double seconds_to_decide(Comparison const& comparison, std::size_t family);
 
 /// A figure's points: scenes to run and criteria to judge.
 struct Point {
@@ -107,70 +105,5 @@ struct Figure {
     double seconds = 0.0;  ///< run time of all its scenes, each counted once
     std::vector<Convergence> convergence;
 };
-
-/// Reads verification/ID/figure.toml at a budget ("quick" or "paper"). InputError as for scenes.
-Figure load_figure(std::filesystem::path const& verification, std::string const& id,
-                   std::string const& budget);
-
-/// Ids of the figures that `verification` holds, sorted.
-std::vector<std::string> figure_ids(std::filesystem::path const& verification);
-
-/// What the runs of a campaign took, each run counted once, whenever it was done.
-struct RunTime {
-    std::size_t runs = 0;
-    double seconds = 0.0;  ///< of one core
-};
-
-/// Runs what the cache lacks, the longest runs first, `jobs` at a time. Throws the first error of a run.
-/// Nothing if options name a shard: the figures are then as they were.
-std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options);
-
-/// Finished runs by the keys of their scenes.
-using Results = std::map<std::string, RunResult const*>;
-
-/// A figure whose points are what the first `fraction` of each run's production measured.
-Figure measured(Figure const& planned, Results const& results, double fraction = 1.0);
-
-/// The first `fraction` of what was measured: of the samples of each series, of the blocks of each curve.
-Record first_part(Record const& record, double fraction);
-
-/// Every criterion that a value should equal, against the run time, from the first parts of the same runs.
-std::vector<Convergence> converge(Figure const& planned, Results const& results);
-
-/// State and floor of one criterion from its comparisons at the end of a part. The floor is
-/// sqrt(max(0, rms deviation^2 - rms error^2)); its error takes points as independent and their noise as
-/// normal. It is resolved if it exceeds twice its error, and the difference of the squares twice the standard
-/// error that this would have without a floor.
-Convergence convergence_of(std::vector<Comparison> const& comparisons, double seconds);
-
-/// Compares every point of a figure with its criteria. InputError for a quantity that was not measured.
-std::vector<Comparison> compare(Figure const& figure);
-
-/// Point p against one criterion, as `compare` does; nothing where it needs a point before and there is none.
-std::optional<Comparison> compare_point(Figure const& figure, std::size_t p, Criterion const& criterion);
-
-/// Writes data, comparisons, convergence and pictures of a figure to `output`; gnuplot draws, in the style of
-/// the nearest style.gp above the figure's directory.
-void write_figure(Figure const& figure, std::vector<Comparison> const& comparisons, std::string const& budget,
-                  std::filesystem::path const& output);
-
-/// The comparisons that write_figure left in `output`.
-std::vector<Comparison> load_comparisons(std::filesystem::path const& output);
-
-/// Writes the run time of all figures at a budget to `output`, for `report`.
-void write_run_time(RunTime const& run_time, std::string const& budget, std::filesystem::path const& output);
-
-/// Prints the table of comparisons, and the run times that run_time.json in `output` and in its `quick`
-/// state, and writes report.csv and report.json to `output`. True if none disagrees.
-bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
-
-/// The closed forms' parameters, by the names of the command line, as a scene has them.
-std::map<std::string, std::string> theory_arguments(Scene const& scene);
-
-/// Value of a closed form, which takes from `arguments` what it depends on.
-double theory_value(std::string const& id, std::map<std::string, std::string> const& arguments);
-
-/// Value of a closed form for the parameters of a scene.
-double theory_for(Scene const& scene, std::string const& id);
 
 }  // namespace dpd

@@ -28,6 +28,8 @@ std::vector<Integrator> read_integrators(std::filesystem::path const& file) {
         integrator.friction = table.text("friction", "");
         integrator.friction_scale = table.number("friction_scale", 1.0, positive);
         integrator.least_step = table.number("least_step", 0.0, positive);
+        if (table.has("largest_friction_step"))
+            integrator.largest_friction_step = table.number("largest_friction_step", std::nullopt, positive);
         integrator.noise = table.text("noise", "");
         integrator.repulsion = table.text("repulsion", "");
         integrator.other_dynamics = table.boolean("other_dynamics", false);
@@ -39,6 +41,16 @@ std::vector<Integrator> read_integrators(std::filesystem::path const& file) {
     }
     root.finish();
     return integrators;
+}
+
+std::vector<Integrator> chosen_integrators(TomlReader& definition, std::vector<Integrator> const& known) {
+    std::vector<std::string_view> names;
+    for (auto const& integrator : known) names.push_back(integrator.name);
+    std::vector<Integrator> chosen;
+    for (auto const& name : definition.texts("integrators", std::nullopt, names))
+        chosen.push_back(*std::ranges::find(known, name, &Integrator::name));
+    if (chosen.empty()) definition.fail("integrators", "is empty; allowed: names of integrators.toml");
+    return chosen;
 }
 
 std::vector<std::string> scene_settings(Integrator const& integrator, bool sheared, double friction,

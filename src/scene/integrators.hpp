@@ -1,9 +1,10 @@
 /// @file
-/// Integrators by name, so that one fluid can be put to all of them: definitions that the study of work and
-/// precision and the reference answers share (verification/integrators.toml).
+/// Integrators by name, so that one fluid can be put to all of them: definitions that the stability maps, the
+/// study of work and precision and the reference answers share (verification/integrators.toml).
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,14 +17,19 @@ struct Integrator {
     std::string name;
     std::string friction, noise, repulsion;  ///< the keys that take a fluid's numbers; empty: it has none
     double friction_scale = 1.0;             ///< on the fluid's friction
-    double least_step = 0.0;                 ///< of the study: shorter ones are too dear
-    bool other_dynamics = false;             ///< its transport coefficients are its own
-    std::vector<std::string> settings;       ///< further keys, "table.key=value"
+    double least_step = 0.0;  ///< of the study of work and precision: shorter ones are too dear
+    /// Of the stability maps: the longest step tried, times the friction.
+    double largest_friction_step = std::numeric_limits<double>::infinity();
+    bool other_dynamics = false;        ///< its transport coefficients are its own
+    std::vector<std::string> settings;  ///< further keys, "table.key=value"
     std::vector<std::string> stages, sheared_stages;
 };
 
 /// The tables [[integrator]] of a file. InputError as for scenes.
 std::vector<Integrator> read_integrators(std::filesystem::path const& file);
+
+/// The integrators that the list `integrators` of a definition names, in its order. InputError as for scenes.
+std::vector<Integrator> chosen_integrators(TomlReader& definition, std::vector<Integrator> const& known);
 
 /// What makes an integrator's scene of a fluid: its stages, friction, noise sqrt(2 friction kT), repulsion.
 /// Without a repulsion the stages that would hold it go: `verlet` becomes `drift`.

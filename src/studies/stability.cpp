@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "budget.hpp"
 #include "errors.hpp"
+#include "integrators.hpp"
 #include "picture.hpp"
 #include "run.hpp"
 #include "simulation.hpp"
@@ -301,83 +303,44 @@ void find_edges(StabilityPoint& point, std::atomic<bool> const* stop) {
 }
 
 bool find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options) {
-    std::filesystem::create_directories(options.cache);
-    // points that several maps share run once
-    std::map<std::string, std::vector<StabilityPoint*>> shared;
+    std::vector<Task<StabilityPoint>> tasks;
+    for (auto const& map : maps)
+        for (auto const& point : map.points)
+            tasks.push_back(
+                {point.key(), 2.0 + point.density, [&point, &options](StabilityPoint& result, Report const&) {
+                     auto const file = options.cache / (point.key() + ".json");
+                     result = point;
+                     if (restore(result, file)) return true;
+                     find_edges(result, options.stop);
+                     store(result, file);
+                     return false;
+                 }});
+    auto const done = do_once("stability", tasks, options);
+    if (!done) return false;
     for (auto& map : maps)
-        for (auto& point : map.points) shared[point.key()].push_back(&point);
-    std::vector<Job> jobs;
-    for (auto const& [key, points] : shared)
-        jobs.push_back({2.0 + points.front()->density,
-                        [&options, &points = points, file = options.cache / (key + ".json")](auto const&) {
-                            StabilityPoint& first = *points.front();
-                            bool const there = restore(first, file);
-                            if (!there) {
-                                find_edges(first, options.stop);
-                                store(first, file);
-                            }
-                            for (auto* const other : points) {
-                                other->trials = first.trials;
-                                other->frozen = first.frozen;
-                                other->seconds = first.seconds;
-                            }
-                            return there;
-                        }});
-    // the cheap ones first: an interrupted campaign then has most of its points
-    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost < b.cost; });
-    return do_jobs("stability", std::move(jobs), options);
+        for (auto& point : map.points) {
+            StabilityPoint const& result = done->at(point.key());
+            point.trials = result.trials;
+            point.frozen = result.frozen;
+            point.seconds = result.seconds;
+        }
+    return true;
 }
 
 // --- definition ------------------------------------------------------------------------------------------
 
 namespace {
 
-// One way to make a step: its stages, and which keys of the scene the axes are.
-struct Integrator {
-    std::string name;
-    toml::table const* settings = nullptr;
-    std::string friction, noise, repulsion;
-    double friction_scale = 1.0;              // value of the key over that of the axis
-    double largest_friction_step = infinity;  // friction times step
-};
-
-std::string text_of(toml::node const& node) {
-    std::ostringstream text;
-    node.visit([&](auto const& element) {
-        if constexpr (toml::is_value<decltype(element)> || toml::is_array<decltype(element)>) text << element;
-    });
-    return text.str();
-}
-
-void set(toml::table& scene, std::string const& key, double value, std::string const& origin) {
-    if (!key.empty()) override_key(scene, fmt::format("{}={}", key, value), origin);
-}
-
-Integrator read_integrator(TomlReader& table) {
-    Integrator integrator;
-    integrator.name = table.text("name", std::nullopt);
-    integrator.friction = table.text("friction", "");
-    integrator.friction_scale = table.number("friction_scale", 1.0, positive);
-    integrator.noise = table.text("noise", "");
-    integrator.repulsion = table.text("repulsion", "");
-    integrator.largest_friction_step = table.has("largest_friction_step")
-                                           ? table.number("largest_friction_step", std::nullopt, positive)
-                                           : infinity;
-    integrator.settings = &table.required_table("settings").raw();
-    table.finish();
-    return integrator;
-}
-
 // The text of a scene at one point of the axes; the step is set by the search.
-std::string scene_text(toml::table const& base, Integrator const& integrator, double friction,
-                       double repulsion, double density, std::uint64_t seed, std::string const& origin) {
-    toml::table scene = base;
-    for (auto const& [key, node] : *integrator.settings)
-        override_key(scene, fmt::format("{}={}", key.str(), text_of(node)), origin);
+std::string scene_text(toml::table scene, Integrator const& integrator, double friction, double repulsion,
+                       double density, std::uint64_t seed, std::string const& origin) {
+    // the stages of a repulsion stay where it is zero: all points of an axis take the same steps
+    constexpr double any = 1.0;
+    for (auto const& setting : scene_settings(integrator, false, friction, any))
+        override_key(scene, setting, origin);
+    if (!integrator.repulsion.empty())
+        override_key(scene, fmt::format("{}={}", integrator.repulsion, repulsion), origin);
     override_key(scene, fmt::format("seed={}", seed), origin);
-    set(scene, integrator.friction, friction * integrator.friction_scale, origin);
-    set(scene, integrator.noise, std::sqrt(2.0 * friction), origin);  // kT = 1
-    set(scene, integrator.repulsion, repulsion, origin);
     auto const d = scene["dimension"].value_or<std::int64_t>(3);
     double const side = std::pow(scene["particles"]["number"].value_or(0.0) / density, 1.0 / double(d));
     std::vector<double> const sides(std::size_t(d), side);
@@ -385,6 +348,30 @@ std::string scene_text(toml::table const& base, Integrator const& integrator, do
     std::ostringstream text;
     text << scene;
     return text.str();
+}
+
+// The run whose end is where all trials of a point start.
+struct StartRun {
+    Integrator integrator;
+    double friction = 0.0, step = 0.0, duration = 0.0;
+
+    toml::table timed(toml::table scene, std::string const& origin) const {
+        override_key(scene, fmt::format("time.step={}", step), origin);
+        override_key(scene, fmt::format("time.duration={}", duration), origin);
+        return scene;
+    }
+};
+
+StartRun read_start(TomlReader&& table, std::vector<Integrator> const& known) {
+    std::vector<std::string_view> names;
+    for (auto const& integrator : known) names.push_back(integrator.name);
+    auto const name = table.text("integrator", std::nullopt, names);
+    StartRun const start{.integrator = *std::ranges::find(known, name, &Integrator::name),
+                         .friction = table.number("friction", std::nullopt, positive),
+                         .step = table.number("step", std::nullopt, positive),
+                         .duration = table.number("duration", std::nullopt, positive)};
+    table.finish();
+    return start;
 }
 
 constexpr std::array<std::string_view, 3> axis_names{"friction", "repulsion", "density"};
@@ -396,33 +383,27 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& path, std:
     toml::table const document = parse_toml(read_file(path), file);
     TomlReader root(document, "", file);
     toml::table const& base = root.required_table("scene").raw();
-    TomlReader start_reader = root.required_table("start");
-    Integrator const start = read_integrator(start_reader);
+    auto const definitions = find_above(path, "integrators.toml");
+    if (!definitions) throw InputError(fmt::format("{}: there is no integrators.toml above it", file));
+    auto const known_integrators = read_integrators(*definitions);
+    auto const integrators = chosen_integrators(root, known_integrators);
+    StartRun const start = read_start(root.required_table("start"), known_integrators);
     std::array<std::string_view, weights.size()> names;
     std::transform(weights.begin(), weights.end(), names.begin(), [](auto const& w) { return w.name; });
     Weight const weight = *weight_from_name(root.text("weight", std::nullopt, names));
 
-    StepRange range;
-    TrialLength length;
-    TomlReader budgets = root.required_table("budget");
-    for (std::string const name : {"paper", "quick"}) {
-        TomlReader table = budgets.required_table(name);
+    auto const [range, length] = read_budget(root, budget, [](TomlReader& table) {
         StepRange const r{.smallest = table.number("smallest", std::nullopt, positive),
                           .largest = table.number("largest", std::nullopt, positive),
                           .resolution = table.number("resolution", std::nullopt, positive)};
         TrialLength const l{.time = table.number("time", std::nullopt, positive),
                             .fewest = table.integer("fewest", std::nullopt, positive_integer),
                             .most = table.integer("most", std::nullopt, positive_integer)};
-        table.finish();
         if (!(r.smallest < r.largest)) table.fail("smallest", "is not below largest; allowed: less");
         if (l.fewest > l.most) table.fail("fewest", "is above most; allowed: at most that");
-        if (name == budget) range = r, length = l;
-    }
-    budgets.finish();
+        return std::pair{r, l};
+    });
 
-    std::vector<Integrator> integrators;
-    for (auto& table : root.tables("integrator")) integrators.push_back(read_integrator(table));
-    if (integrators.empty()) root.fail("integrator", "is missing; allowed: tables [[integrator]]");
     std::vector<std::string_view> known;
     for (auto const& integrator : integrators) known.push_back(integrator.name);
 
@@ -467,7 +448,8 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& path, std:
                             .repulsion = repulsion,
                             .density = density,
                             .scene = scene_text(base, integrator, friction, repulsion, density, seed, origin),
-                            .start = scene_text(base, start, friction, repulsion, density, seed, origin),
+                            .start = scene_text(start.timed(base, origin), start.integrator, start.friction,
+                                                repulsion, density, seed, origin),
                             .range = range,
                             .length = lasting,
                             .weight = weight};

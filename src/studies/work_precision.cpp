@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "budget.hpp"
 #include "integrators.hpp"
 #include "picture.hpp"
 #include "progress.hpp"
@@ -62,22 +63,14 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
         m.settings = settings_of(table, "settings");
         table.finish();
     }
-    double scale = 1.0, smallest_step = 0.0;
-    auto budgets = root.required_table("budget");
-    for (char const* name : {"quick", "paper"}) {
-        auto table = budgets.required_table(name);
-        double const its_scale = table.number("duration_scale", 1.0, positive),
-                     its_smallest = table.number("smallest_step", 0.0, non_negative);
-        table.finish();
-        if (name == budget) {
-            scale = its_scale;
-            smallest_step = its_smallest;
-        }
-    }
+    auto const [scale, smallest_step] = read_budget(root, budget, [](TomlReader& table) {
+        return std::pair{table.number("duration_scale", 1.0, positive),
+                         table.number("smallest_step", 0.0, non_negative)};
+    });
     auto const definitions = find_above(file, "integrators.toml");
     if (!definitions)
         throw InputError(fmt::format("{}: there is no integrators.toml there or above", directory.string()));
-    auto const integrators = read_integrators(*definitions);
+    auto const integrators = chosen_integrators(root, read_integrators(*definitions));
 
     std::vector<Study> studies;
     for (auto& fluid : root.tables("fluid")) {
@@ -184,27 +177,38 @@ double cost_of_step(Scene const& scene, std::filesystem::path const& cache) {
 }  // namespace
 
 bool run_studies(std::vector<Study>& studies, CampaignOptions const& options) {
-    std::filesystem::create_directories(options.cache);
-    std::vector<Job> jobs;
+    struct Measured {
+        RunResult result;
+        bool diverged = false;
+        double seconds_per_step = 0.0;
+    };
+    std::vector<Task<Measured>> tasks;
+    for (auto const& study : studies)
+        for (auto const& one : study.runs)
+            tasks.push_back({one.scene.key(), double(one.scene.steps()),
+                             [&scene = one.scene, &options](Measured& measured, Report const& report) {
+                                 auto const file = options.cache / (scene.key() + ".h5");
+                                 try {
+                                     measured.result = run(
+                                         scene, {.output = file, .stop = options.stop, .progress = report});
+                                     measured.seconds_per_step = cost_of_step(scene, options.cache);
+                                 } catch (Diverged const&) {
+                                     measured.diverged = true;
+                                 }
+                                 return measured.result.from_cache;
+                             }});
+    auto const done = do_once("work and precision", tasks, options);
+    if (!done) return false;
     for (auto& study : studies)
-        for (auto& job : study.runs)
-            jobs.push_back({double(job.scene.steps()), [&](auto const& report) {
-                                auto const file = options.cache / (job.scene.key() + ".h5");
-                                try {
-                                    auto result =
-                                        run(job.scene,
-                                            {.output = file, .stop = options.stop, .progress = report});
-                                    job.record = std::move(result.record);
-                                    job.quantities = analyze(job.scene, {job.record});
-                                    job.seconds_per_step = cost_of_step(job.scene, options.cache);
-                                    return result.from_cache;
-                                } catch (Diverged const&) {
-                                    job.diverged = true;
-                                    return false;
-                                }
-                            }});
-    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
-    return do_jobs("work and precision", std::move(jobs), options);
+        for (auto& one : study.runs) {
+            Measured const& measured = done->at(one.scene.key());
+            one.diverged = measured.diverged;
+            one.seconds_per_step = measured.seconds_per_step;
+            if (one.diverged) continue;
+            one.record = measured.result.record;
+            one.quantities = analyze(one.scene, {one.record});
+        }
+    return true;
 }
 
 // --- errors ----------------------------------------------------------------------------------------------

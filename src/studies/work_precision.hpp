@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "analysis.hpp"
-#include "figure.hpp"
+#include "campaign.hpp"
+#include "run.hpp"
 #include "statistics.hpp"
 
 namespace dpd {

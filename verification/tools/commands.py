@@ -274,7 +274,7 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_CXX_FLAGS "-O0")
 find_package(dpdref REQUIRED)
-add_executable(without_stage {main} src/engine/stages.cpp src/run/run.cpp src/scene/scene.cpp)
+add_executable(without_stage {cli} src/engine/stages.cpp src/run/run.cpp src/scene/scene.cpp)
 target_include_directories(without_stage BEFORE PRIVATE src/engine)
 target_link_libraries(without_stage PRIVATE dpdref::engine)
 """
@@ -319,9 +319,9 @@ def tutorial(root, build):
     if wrong:
         sys.exit(f"cmake --install: {wrong}\n{output}")
     without_stage(root)
-    main = next((path for path in build.glob("CMakeFiles/dpdref.dir/src/cli/main.cpp.o")),
-                root / "src" / "cli" / "main.cpp")
-    (root / "CMakeLists.txt").write_text(PROJECT.format(main=main), encoding="utf-8")
+    cli = (sorted(build.glob("CMakeFiles/dpdref.dir/src/cli/*.cpp.o"))
+           or sorted((root / "src" / "cli").glob("*.cpp")))
+    (root / "CMakeLists.txt").write_text(PROJECT.format(cli=" ".join(map(str, cli))), encoding="utf-8")
     scene = ("run verification/scenes/ideal_gas_shear.toml --set box.shear_rate=0 --set time.duration=2 "
              "--set time.equilibration=1 --set body_force.acceleration=0.002 "
              f"--set 'stages=[\"shardlow\",\"sample\",\"{STAGE}\",\"drift\"]'")

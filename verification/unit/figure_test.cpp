@@ -22,10 +22,17 @@
 #include <vector>
 
 #include "analysis.hpp"
+#include "convergence.hpp"
+#include "define_figure.hpp"
 #include "derived.hpp"
 #include "errors.hpp"
+#include "judge_figure.hpp"
+#include "report.hpp"
 #include "run.hpp"
+#include "run_figure.hpp"
 #include "theory/closed_forms.hpp"
+#include "theory_arguments.hpp"
+#include "write_figure.hpp"
 
 using namespace dpd;
 namespace data = boost::unit_test::data;

@@ -48,18 +48,6 @@ void check_edge(Edge const& edge, double at, double resolution) {
     BOOST_TEST(edge.step() < edge.above);
 }
 
-struct Fixture {
-    Fixture() { std::filesystem::create_directories(directory); }
-    ~Fixture() { std::filesystem::remove_all(directory); }
-    std::filesystem::path const directory =
-        std::filesystem::temp_directory_path() / ("dpdref_stability_test." + std::to_string(::getpid()));
-    std::filesystem::path write(std::string const& text) const {
-        auto const file = directory / "stability.toml";
-        std::ofstream(file) << text;
-        return file;
-    }
-};
-
 std::string replaced(std::string text, std::string const& from, std::string const& to) {
     auto const at = text.find(from);
     BOOST_REQUIRE_MESSAGE(at != std::string::npos, "there is no " << from);
@@ -68,18 +56,16 @@ std::string replaced(std::string text, std::string const& from, std::string cons
 
 /// Two integrators, small and coarse.
 std::string const definition = R"(weight = "quadratic"
+integrators = ["Euler", "S1"]
 [scene]
 dimension = 3
 [scene.particles]
 number = 100
 [start]
-name = "start"
-repulsion = "verlet.soft.strength"
-[start.settings]
-stages = ["shardlow", "verlet"]
-"shardlow.friction" = 10.0
-"time.step" = 0.01
-"time.duration" = 0.5
+integrator = "S1"
+friction = 25.0
+step = 0.01
+duration = 0.5
 [budget.paper]
 smallest = 1e-3
 largest = 10.0
@@ -94,22 +80,6 @@ resolution = 1.0
 time = 1.0
 fewest = 20
 most = 50
-[[integrator]]
-name = "Euler"
-friction = "euler.gamma"
-noise = "euler.sigma"
-repulsion = "force.soft.strength"
-[integrator.settings]
-stages = ["euler", "force", "kick", "drift"]
-"euler.weight" = "quadratic"
-[[integrator]]
-name = "S1"
-friction = "shardlow.friction"
-largest_friction_step = 20.0
-repulsion = "verlet.soft.strength"
-[integrator.settings]
-stages = ["shardlow", "verlet"]
-"shardlow.weight" = "quadratic"
 [[map]]
 name = "friction"
 friction = [4.5, 10.0]
@@ -123,6 +93,39 @@ friction = [4.5]
 repulsion = [0.0, 25.0]
 density = [3.0]
 )";
+
+std::string const integrators = R"([[integrator]]
+name = "Euler"
+friction = "euler.gamma"
+noise = "euler.sigma"
+repulsion = "force.soft.strength"
+stages = ["euler", "force", "kick", "drift"]
+sheared_stages = []
+[integrator.settings]
+"euler.weight" = "quadratic"
+[[integrator]]
+name = "S1"
+friction = "shardlow.friction"
+largest_friction_step = 20.0
+repulsion = "verlet.soft.strength"
+stages = ["shardlow", "verlet"]
+sheared_stages = []
+[integrator.settings]
+"shardlow.weight" = "quadratic"
+)";
+
+struct Fixture {
+    Fixture() { std::filesystem::create_directories(directory); }
+    ~Fixture() { std::filesystem::remove_all(directory); }
+    std::filesystem::path const directory =
+        std::filesystem::temp_directory_path() / ("dpdref_stability_test." + std::to_string(::getpid()));
+    std::filesystem::path write(std::string const& text) const {
+        auto const file = directory / "stability.toml";
+        std::ofstream(file) << text;
+        std::ofstream(directory / "integrators.toml") << integrators;
+        return file;
+    }
+};
 
 bool same(Trials const& a, Trials const& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](auto const& x, auto const& y) {
@@ -308,7 +311,7 @@ BOOST_FIXTURE_TEST_CASE(points_are_what_the_axes_say, Fixture) {
             }
             double const friction = point.integrator == "S1" ? trial.shardlow.friction : trial.euler.gamma;
             BOOST_TEST(friction == point.friction);
-            BOOST_TEST(start.shardlow.friction == 10.0);
+            BOOST_TEST(start.shardlow.friction == 25.0);
             BOOST_TEST(point.length.fewest == 300u);
         }
     auto const& soft = maps[1].points[1];
@@ -429,9 +432,10 @@ BOOST_FIXTURE_TEST_CASE(bad_definitions_are_refused, Fixture) {
     refused("fewest = 300", "fewest = 500", "most");
     refused("smallest = 1e-3", "smallest = 10.0", "largest");
     refused("resolution = 0.1", "resolution = 0", "resolution");
-    refused("noise = ", "noises = ", "noises");
-    refused("\"euler.weight\" = \"quadratic\"", "\"euler.height\" = \"quadratic\"", "euler.height");
-    refused("\"shardlow.friction\" = 10.0", "\"shardlow.friction\" = -1.0", "shardlow.friction");
+    refused("integrator = \"S1\"", "integrator = \"S2\"", "allowed: Euler, S1");
+    refused("integrators = [\"Euler\", \"S1\"]", "integrators = []", "is empty");
+    refused("integrators = [\"Euler\", \"S1\"]", "integrators = [\"S2\"]", "a list of Euler, S1");
+    refused("friction = 25.0", "friction = -1.0", "start.friction");
     refused("[[map]]\nname = \"friction\"", "[[map]]\nname = \"friction\"\nintegrators = [\"S2\"]", "S1");
     refused("density = [3.0]", "density = [0.0]", "density");
     refused("density = [3.0]", "density = [30.0]", "two cutoffs");

@@ -140,6 +140,7 @@ std::string text_of(std::filesystem::path const& file) {
 }
 
 char const* const study_text = R"(title = "Test"
+integrators = ["S1", "Euler"]
 [scene]
 dimension = 3
 box.length = [3.0, 3.0, 3.0]
@@ -275,5 +276,7 @@ BOOST_AUTO_TEST_CASE(mistakes_in_a_study_are_refused) {
     check("[budget.quick]\n", "[budget.quick]\nsmallest_step = 0.05\n", "table_step: is none of the budget's steps");
     check("[budget.quick]\n", "[budget.quick]\nsmallest_step = -1\n", "smallest_step: -1 is not allowed");
     check("[budget.quick]\n", "[budget.fast]\n", "quick: is missing");
+    check("[\"S1\", \"Euler\"]", "[\"S1\", \"S2\"]", "a list of S1, Euler");
+    check("[budget.quick]\n", "[budget.other]\n[budget.quick]\n", "budget.other: unknown key");
     check("title = \"Test\"", "title = \"Test\"\ncolour = 1", "colour: unknown key");
 }

@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "answers.hpp"
+#include "budget.hpp"
+#include "campaign.hpp"
+#include "commands.hpp"
+#include "define_figure.hpp"
+#include "errors.hpp"
+#include "judge_figure.hpp"
+#include "report.hpp"
+#include "run_figure.hpp"
+#include "stability.hpp"
+#include "work_precision.hpp"
+#include "write_figure.hpp"
+
+namespace dpd::cli {
+namespace {
+
+// What all campaigns have in common; `below` is the directory under figures/ that is theirs.
+struct CampaignChoice {
+    std::string below, budget = "quick", cache = ".dpdref-cache", output;
+    std::string verification = data_path("verification");
+    std::optional<std::string> shard;
+    unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+
+    void add_to(CLI::App& command) {
+        std::string const under = below.empty() ? "" : "/" + below;
+        command.add_option("--budget", budget, "quick or paper")
+            ->check(CLI::IsMember(std::vector<std::string>(budget_names.begin(), budget_names.end())));
+        command.add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u));
+        command.add_option("--shard", shard, "k/n: only the k-th of n parts of the runs; draws nothing");
+        command.add_option("--out", output,
+                           fmt::format("directory (default figures{0}, or figures/quick{0})", under));
+        command.add_option("--cache", cache, "directory of finished and unfinished runs");
+        command.add_option("--verification", verification, "directory of the definitions");
+    }
+
+    // where the campaign writes, and how it is run
+    CampaignOptions options() const {
+        std::filesystem::path directory = output;
+        if (output.empty())
+            directory = std::filesystem::path(budget == "quick" ? "figures/quick" : "figures") / below;
+        CampaignOptions options{.cache = cache, .output = directory, .jobs = jobs, .stop = &stop_requested};
+        if (shard) options.shard = shard_from_text(*shard);
+        return options;
+    }
+};
+
+// Regenerates figures and prints their comparisons; false if one disagrees. A shard only runs.
+bool make_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
+                  std::string const& budget, CampaignOptions const& options) {
+    std::vector<Figure> figures;
+    for (auto const& id : ids) figures.push_back(load_figure(verification, id, budget));
+    auto const run_time = run_points(figures, options);
+    if (!run_time) return true;
+    if (ids == figure_ids(verification)) write_run_time(*run_time, budget, options.output);
+    std::vector<Comparison> all;
+    for (auto const& one : figures) {
+        auto const comparisons = dpd::compare(one);
+        write_figure(one, comparisons, budget, options.output);
+        all.insert(all.end(), comparisons.begin(), comparisons.end());
+    }
+    return dpd::report(all, options.output);
+}
+
+// The study of the integrators, and the figures that are defined beside it.
+bool make_studies(std::filesystem::path const& directory, std::vector<std::string> ids,
+                  std::string const& budget, CampaignOptions const& options) {
+    std::string const study = "integrators";
+    auto known = figure_ids(directory);
+    known.insert(known.begin(), study);
+    if (ids.empty() || ids == std::vector<std::string>{"all"}) ids = known;
+    for (auto const& id : ids)
+        if (std::find(known.begin(), known.end(), id) == known.end())
+            throw InputError(
+                fmt::format("work-precision {}: unknown; allowed: all, {}", id, fmt::join(known, ", ")));
+    bool const with_study = std::erase(ids, study) > 0;
+    bool const agree = ids.empty() || make_figures(directory, ids, budget, options);
+    if (with_study) {
+        auto studies = load_studies(directory / study, budget);
+        if (!run_studies(studies, options)) return agree;
+        for (auto const& one : studies) write_study(one, budget, directory / study, options.output);
+    }
+    return agree;
+}
+
+struct FigureChoice {
+    std::vector<std::string> ids;
+    CampaignChoice campaign;
+};
+
+}  // namespace
+
+Command figure(CLI::App& app) {
+    auto const chosen = std::make_shared<FigureChoice>();
+    auto* const command = app.add_subcommand("figure", "regenerate figures");
+    command->add_option("ids", chosen->ids, "figure ids, or all")->required();
+    chosen->campaign.add_to(*command);
+    return {command, [chosen] {
+                auto const& [ids, campaign] = *chosen;
+                auto const which =
+                    ids == std::vector<std::string>{"all"} ? figure_ids(campaign.verification) : ids;
+                if (which.empty())
+                    throw InputError(fmt::format("{}: holds no figures", campaign.verification));
+                return make_figures(campaign.verification, which, campaign.budget, campaign.options())
+                           ? exit_done
+                           : exit_disagrees;
+            }};
+}
+
+Command stability(CLI::App& app) {
+    auto const campaign = std::make_shared<CampaignChoice>();
+    campaign->below = "stability";
+    auto* const command = app.add_subcommand("stability", "largest steps of the integrators, by bisection");
+    campaign->add_to(*command);
+    return {command, [campaign] {
+                auto const definition = std::filesystem::path(campaign->verification) / "stability";
+                auto maps = load_stability(definition / "stability.toml", campaign->budget);
+                auto const options = campaign->options();
+                if (find_edges(maps, options))
+                    write_stability(maps, campaign->budget, definition, options.output);
+                return exit_done;
+            }};
+}
+
+Command work_precision(CLI::App& app) {
+    auto const chosen = std::make_shared<FigureChoice>();
+    chosen->campaign.below = "work-precision";
+    auto* const command = app.add_subcommand("work-precision", "errors of the integrators against run time");
+    command->add_option("ids", chosen->ids, "integrators, or one of the maps; default all");
+    chosen->campaign.add_to(*command);
+    return {command, [chosen] {
+                auto const& [ids, campaign] = *chosen;
+                return make_studies(std::filesystem::path(campaign.verification) / "work-precision", ids,
+                                    campaign.budget, campaign.options())
+                           ? exit_done
+                           : exit_disagrees;
+            }};
+}
+
+Command answers(CLI::App& app) {
+    auto const campaign = std::make_shared<CampaignChoice>();
+    campaign->below = "answers";
+    auto* const command = app.add_subcommand("answers", "measure the reference answers");
+    campaign->add_to(*command);
+    return {command, [campaign] {
+                auto all =
+                    load_answers(std::filesystem::path(campaign->verification) / "answers", campaign->budget);
+                measure_answers(all, campaign->budget, campaign->options());
+                return exit_done;
+            }};
+}
+
+Command report(CLI::App& app) {
+    auto const directory = std::make_shared<std::string>("figures");
+    auto* const command =
+        app.add_subcommand("report", "print every comparison; write report.csv and report.json");
+    command->add_option("--figures", *directory, "directory of the regenerated figures");
+    return {command, [directory] {
+                auto const comparisons = load_comparisons(*directory);
+                if (comparisons.empty())
+                    throw InputError(
+                        fmt::format("{}: holds no figure data; run dpdref figure first", *directory));
+                return dpd::report(comparisons, *directory) ? exit_done : exit_disagrees;
+            }};
+}
+
+}  // namespace dpd::cli

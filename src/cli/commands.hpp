@@ -1,0 +1,61 @@
+/// @file
+/// The subcommands of `dpdref`, one function each, in the order of `dpdref --help`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dpd::cli {
+
+inline constexpr int exit_done = 0, exit_disagrees = 1, exit_bad_input = 2, exit_diverged = 3,
+                     exit_interrupted = 130;
+
+/// Set by SIGINT and SIGTERM; runs look at it after each step.
+extern std::atomic<bool> stop_requested;
+
+/// A subcommand, and what it does once the command line has been read; returns the exit code.
+struct Command {
+    CLI::App* subcommand = nullptr;
+    std::function<int()> act;
+};
+
+// theory_commands.cpp
+Command theory(CLI::App& app);
+Command convert(CLI::App& app);
+
+// scene_commands.cpp
+Command run(CLI::App& app);
+Command export_scene(CLI::App& app);
+
+// campaign_commands.cpp
+Command figure(CLI::App& app);
+Command stability(CLI::App& app);
+Command work_precision(CLI::App& app);
+Command answers(CLI::App& app);
+Command report(CLI::App& app);
+
+// answer_commands.cpp
+Command answer(CLI::App& app);
+Command exact(CLI::App& app);
+Command compare(CLI::App& app);
+
+// shared by the families: options.cpp
+
+/// "key=value" texts as pairs. InputError for a text without "=".
+std::vector<std::pair<std::string, std::string>> split(std::vector<std::string> const& assignments);
+
+/// A seed, 0 to 2^64-1. InputError for anything else: CLI11 would wrap a negative or too large one silently.
+std::optional<std::uint64_t> read_seed(std::optional<std::string> const& text);
+
+/// A file or directory of this project, as in "verification/answers": in the clone that the program was
+/// started from, or else in the installed data.
+std::string data_path(std::string const& name);
+
+}  // namespace dpd::cli

@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis.hpp"
+#include "commands.hpp"
+#include "lammps.hpp"
+#include "progress.hpp"
+#include "run.hpp"
+
+namespace dpd::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void warn(Scene const& scene, RunResult const& result) {
+    if (result.counters.coincident_pairs > 0)
+        fmt::print(stderr, "dpdref: warning: {} pairs at r = 0 had no direction and did not interact\n",
+                   result.counters.coincident_pairs);
+    // soft forces are bounded: beyond their stable step a run is hot, but ends
+    if (double const set = scene.thermostat_kT(); set > 0.0 && result.kinetic_temperature > 10.0 * set)
+        fmt::print(stderr,
+                   "dpdref: warning: kT ended at {:.3g}, the thermostat is set to {:.3g}; try a smaller "
+                   "time.step\n",
+                   result.kinetic_temperature, set);
+}
+
+// Nanoseconds per particle and step.
+double cost_of(RunResult const& result) {
+    return 1e9 * result.seconds /
+           (double(std::max<std::uint64_t>(1, result.counters.steps)) * double(result.particles));
+}
+
+void print_json(Scene const& scene, RunResult const& result) {
+    auto const& counters = result.counters;
+    Json output{
+        {"title", scene.title}, {"key", scene.key()}, {"seed", scene.seed}, {"seconds", result.seconds}};
+    for (auto const& q : analyze(scene, {result.record}))
+        output["quantities"][q.name] = {
+            {"value", q.estimate.value}, {"error", q.estimate.error}, {"blocks", q.estimate.blocks}};
+    output["counters"] = {{"steps", counters.steps},
+                          {"searches", counters.searches},
+                          {"pairs_found", counters.pairs_found},
+                          {"pair_updates", counters.pair_updates},
+                          {"potential_evaluations", counters.potential_evaluations},
+                          {"random_draws", counters.random_draws},
+                          {"boundary_pairs", counters.boundary_pairs},
+                          {"coincident_pairs", counters.coincident_pairs}};
+    output["bytes"] = result.bytes;
+    output["nanoseconds_per_particle_and_step"] = cost_of(result);
+    fmt::print("{}\n", output.dump(1));
+}
+
+void print_text(Scene const& scene, RunResult const& result) {
+    auto const& counters = result.counters;
+    fmt::print("{}\n{} particles, {} steps, {} ({:.0f} ns per particle and step){}\n", scene.title,
+               result.particles, counters.steps, duration_text(result.seconds), cost_of(result),
+               result.from_cache ? ", read from file" : "");
+    for (auto const& q : analyze(scene, {result.record})) {
+        if (std::isfinite(q.estimate.error) && q.estimate.error > 0.0)
+            fmt::print("  {:<30} {:>14.6g} +- {:<9.2g} ({} blocks)\n", q.name, q.estimate.value,
+                       q.estimate.error, q.estimate.blocks);
+        else
+            fmt::print("  {:<30} {:>14.6g}\n", q.name, q.estimate.value);
+    }
+    fmt::print(
+        "  pairs found {}, updated {}; random draws {}; potential evaluations {}; coincident pairs {}\n",
+        counters.pairs_found, counters.pair_updates, counters.random_draws, counters.potential_evaluations,
+        counters.coincident_pairs);
+}
+
+// A scene file with what the command line adds to it.
+struct SceneOptions {
+    std::string file;
+    std::vector<std::string> overrides;
+    std::optional<std::string> seed;
+
+    void add_to(CLI::App& command) {
+        command.add_option("scene", file, "TOML file")->required();
+        command.add_option("--set", overrides, "table.key=value, on top of the file")
+            ->allow_extra_args(false);
+        command.add_option("--seed", seed, "seed of all noise, 0 to 2^64-1");
+    }
+    Scene load() const { return load_scene(file, overrides, read_seed(seed)); }
+};
+
+}  // namespace
+
+Command run(CLI::App& app) {
+    struct Options {
+        SceneOptions scene;
+        std::optional<std::string> out;
+        bool json = false;
+    };
+    auto const options = std::make_shared<Options>();
+    auto* const command = app.add_subcommand("run", "run a scene");
+    options->scene.add_to(*command);
+    command->add_option("--out", options->out, "HDF5 file of results, checkpoints and provenance");
+    command->add_flag("--json", options->json, "print JSON");
+    return {command, [options] {
+                Scene const scene = options->scene.load();
+                RunOptions how;
+                if (options->out) how.output = *options->out;
+                how.stop = &stop_requested;
+                RunResult result;
+                {
+                    Progress progress(scene.title.empty() ? options->scene.file : scene.title);
+                    how.progress = [&](double fraction) { progress(fraction); };
+                    result = dpd::run(scene, how);
+                }
+                warn(scene, result);
+                if (options->json)
+                    print_json(scene, result);
+                else
+                    print_text(scene, result);
+                return exit_done;
+            }};
+}
+
+Command export_scene(CLI::App& app) {
+    struct Options {
+        SceneOptions scene;
+        std::string out;
+    };
+    auto const options = std::make_shared<Options>();
+    auto* const command = app.add_subcommand("export", "write a scene for another program");
+    command->require_subcommand(1);
+    auto* const lammps = command->add_subcommand("lammps", "a directory with an input deck for LAMMPS");
+    options->scene.add_to(*lammps);
+    lammps->add_option("--out", options->out, "directory: new, empty, or of an earlier export")->required();
+    return {command, [options] {
+                export_lammps(options->scene.load(), options->out);
+                fmt::print("{}: written; next: see {}/README\n", options->out, options->out);
+                return exit_done;
+            }};
+}
+
+}  // namespace dpd::cli

@@ -1,0 +1,186 @@
+#include "run_figure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "convergence.hpp"
+#include "derived.hpp"
+#include "errors.hpp"
+
+namespace dpd {
+namespace {
+
+// Rough cost of a run, in pair and particle visits: good enough to start the longest first and to tell the
+// time that is left.
+double cost_of(Scene const& scene) {
+    double const ball = scene.dimension == 2 ? std::numbers::pi : 4.0 * std::numbers::pi / 3.0;
+    double const pairs = 0.5 * scene.density() * ball * std::pow(scene.cutoff(), scene.dimension);
+    double const substeps = scene.has_stage("verlet") ? double(scene.substeps) : 1.0;
+    return double(scene.steps()) * substeps * double(scene.particles) * (4.0 + pairs);
+}
+
+// A measured curve as points, one per bin that is asked for. False if there is none.
+bool append_bins(std::vector<Point>& points, FigureCurve const& curve, Point const& run,
+                 std::vector<Record> const& records) {
+    auto const [x, y] = curve_of(run.runs.front(), records, curve.record);
+    std::vector<std::size_t> bins;
+    for (std::size_t bin = 0; bin < x.size(); bin += curve.every)
+        if (x[bin] >= curve.from && x[bin] <= curve.to && y[bin].blocks > 0) bins.push_back(bin);
+    for (std::size_t const bin : bins) {
+        Point point = run;
+        point.x = x[bin];
+        point.quantities.push_back({curve.record, y[bin]});
+        point.seconds = run.seconds / double(bins.size());
+        if (bin != bins.front()) point.configuration.resize(0, 0);
+        points.push_back(std::move(point));
+    }
+    return !bins.empty();
+}
+
+}  // namespace
+
+// The points of a curve at x; its only point, if it has one, stands for all x.
+std::vector<Point const*> points_of(std::string const& name, std::vector<FigureCurve> const& curves,
+                                    std::vector<Point> const& points, double x) {
+    std::vector<Point const*> found;
+    for (auto const& point : points)
+        if (!name.empty() && curves[point.curve].name == name) found.push_back(&point);
+    if (found.size() > 1) std::erase_if(found, [x](Point const* point) { return point->x != x; });
+    return found;
+}
+
+namespace {
+
+// Adds the quantities of the joined curve's point at the same x (or of its only one) that the point lacks.
+void join(std::string const& name, std::vector<FigureCurve> const& curves, std::vector<Point> const& points,
+          Point& point) {
+    for (Point const* const partner : points_of(name, curves, points, point.x)) {
+        for (auto const& quantity : partner->quantities)
+            if (!find_quantity(point.quantities, quantity.name)) point.quantities.push_back(quantity);
+        point.seconds += partner->seconds;
+    }
+    if (auto const& others = curves[point.curve].slope_between; !others.empty()) {
+        auto const below = points_of(others[0], curves, points, point.x),
+                   above = points_of(others[1], curves, points, point.x);
+        auto const pressure = [](Point const& at) {
+            Quantity const* const found = find_quantity(at.quantities, "pressure");
+            return found ? found->estimate : Estimate{};
+        };
+        if (!below.empty() && !above.empty()) {
+            derive_from_densities(
+                point.runs.front(),
+                above.front()->runs.front().density() - below.front()->runs.front().density(),
+                pressure(*below.front()), pressure(*above.front()), point.quantities);
+            point.seconds += below.front()->seconds + above.front()->seconds;
+        }
+    }
+    derive(point.runs.front(), point.quantities);
+    if (curves[point.curve].record == "velocity_autocorrelation")
+        derive_at_lag(point.runs.front(), point.quantities, point.x);
+}
+
+// Run time up to a fraction of the production: a step costs the same throughout.
+double seconds_until(Scene const& scene, RunResult const& result, double fraction) {
+    double const steps = double(scene.equilibration_steps) + fraction * double(scene.production_steps);
+    return result.seconds * (steps / double(scene.steps()));
+}
+
+// Run time behind the points of curve c, of joined points too; each run counts once.
+double seconds_of(Figure const& figure, std::size_t c, Results const& results, double fraction) {
+    auto const& curve = figure.curves[c];
+    std::vector<std::string> joined = curve.slope_between;
+    joined.push_back(curve.join);
+    std::map<std::string, double> seconds;
+    auto const count = [&](Point const& point) {
+        for (auto const& scene : point.runs) {
+            std::string const key = scene.key();
+            seconds[key] = seconds_until(scene, *results.at(key), fraction);
+        }
+    };
+    for (auto const& point : figure.points) {
+        if (point.curve != c) continue;
+        count(point);
+        for (auto const& name : joined)
+            for (Point const* const partner : points_of(name, figure.curves, figure.points, point.x))
+                count(*partner);
+    }
+    double sum = 0.0;
+    for (auto const& [key, of_run] : seconds) sum += of_run;
+    return sum;
+}
+
+}  // namespace
+
+Figure measured(Figure const& planned, Results const& results, double fraction) {
+    bool const whole = fraction == 1.0;
+    Figure figure = planned;
+    std::vector<Point> points;
+    std::set<std::string> counted;
+    for (auto& point : figure.points) {
+        std::vector<Record> records;
+        for (auto const& scene : point.runs) {
+            auto const& result = *results.at(scene.key());
+            double const seconds = seconds_until(scene, result, fraction);
+            records.push_back(first_part(result.record, fraction));
+            point.seconds += seconds;
+            if (counted.insert(scene.key()).second) figure.seconds += seconds;
+        }
+        point.quantities = analyze(point.runs.front(), records);
+        point.configuration = records.front().configuration;
+        auto const& curve = figure.curves[point.curve];
+        if (curve.record.empty())
+            points.push_back(point);
+        else if (!append_bins(points, curve, point, records) && whole)
+            throw InputError(fmt::format("curve {}: its scene does not measure {}, or not from {:g} to {:g}",
+                                         curve.name, curve.record, curve.from, curve.to));
+    }
+    for (auto& point : points) {
+        try {
+            join(figure.curves[point.curve].join, figure.curves, points, point);
+        } catch (std::logic_error const&) {
+            // a closed form refuses a viscosity that is not yet positive
+            if (whole) throw;
+        }
+    }
+    figure.points = std::move(points);
+    for (std::size_t c = 0; c < figure.curves.size(); ++c)
+        figure.curves[c].seconds = seconds_of(figure, c, results, fraction);
+    return figure;
+}
+
+std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
+    std::vector<Task<RunResult>> tasks;
+    for (auto const& figure : figures)
+        for (auto const& point : figure.points)
+            for (auto const& scene : point.runs) {
+                std::string const key = scene.key();
+                tasks.push_back({key, cost_of(scene),
+                                 [&scene, &options, file = options.cache / (key + ".h5")](
+                                     RunResult& result, Report const& report) {
+                                     result = run(scene,
+                                                  {.output = file, .stop = options.stop, .progress = report});
+                                     return result.from_cache;
+                                 }});
+            }
+    auto const finished = do_once("figures", tasks, options);
+    if (!finished) return {};
+    Results results;
+    RunTime run_time;
+    for (auto const& [key, result] : *finished) {
+        results[key] = &result;
+        ++run_time.runs;
+        run_time.seconds += result.seconds;
+    }
+    for (auto& figure : figures) {
+        auto convergence = converge(figure, results);
+        figure = measured(figure, results);
+        figure.convergence = std::move(convergence);
+    }
+    return run_time;
+}
+
+}  // namespace dpd

@@ -1,0 +1,21 @@
+/// @file
+/// Closed forms for the parameters of a scene.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "scene.hpp"
+
+namespace dpd {
+
+/// The closed forms' parameters, by the names of the command line, as a scene has them.
+std::map<std::string, std::string> theory_arguments(Scene const& scene);
+
+/// Value of a closed form, which takes from `arguments` what it depends on.
+double theory_value(std::string const& id, std::map<std::string, std::string> const& arguments);
+
+/// Value of a closed form for the parameters of a scene.
+double theory_for(Scene const& scene, std::string const& id);
+
+}  // namespace dpd
