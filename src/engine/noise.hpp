@@ -5,20 +5,9 @@
 #include <cstdint>
 #include <span>
 
+#include "noise_key.hpp"
+
 namespace dpd {
-
-/// Which noise: `stream` separates the stages of one step that draw (their place in the stage list), `sweep`
-/// the draws of one stage.
-struct NoiseKey {
-    std::uint64_t seed = 0;
-    std::uint64_t step = 0;  ///< below 2^48
-    std::uint8_t stream = 0;
-    std::uint8_t sweep = 0;
-};
-
-/// Streams outside any stage list.
-inline constexpr std::uint8_t stream_positions = 254;
-inline constexpr std::uint8_t stream_velocities = 255;
 
 /// Standard normal of the ordered pair (a, b).
 double normal(NoiseKey key, std::uint32_t a, std::uint32_t b);

@@ -13,22 +13,6 @@
 namespace dpd {
 
 template <int d>
-void PairList<d>::grow_to(std::size_t size) {
-    if (size <= i.size()) return;
-    std::size_t const capacity = std::max(size, i.size() + i.size() / 2);
-    i.resize(capacity);
-    j.resize(capacity);
-    for (auto& component : unit) component.resize(capacity);
-    distance.resize(capacity);
-    impulse.resize(capacity);
-}
-
-template <int d>
-std::size_t PairList<d>::bytes() const {
-    return i.size() * (2 * sizeof(std::uint32_t) + (d + 2) * sizeof(double));
-}
-
-template <int d>
 void PairSearch<d>::check(Box<d> const& box) const {
     for (int axis = 0; axis < d; ++axis)
         if (!(box.length[axis] >= 2.0 * cutoff))
@@ -41,6 +25,7 @@ template <int d>
 void PairSearch<d>::find(Particles<d> const& particles, Box<d> const& box, double time, NoiseKey key,
                          PairList<d>& pairs) {
     pairs.clear();
+    pairs.cutoff = cutoff;
     // In a side of just two cutoffs rounding could let a pair meet twice; there the definition itself
     // searches.
     bool const tight = box.length.minCoeff() < 2.0 * (cutoff + margin(box)) * (1.0 + 1e-9);
@@ -52,13 +37,6 @@ void PairSearch<d>::find(Particles<d> const& particles, Box<d> const& box, doubl
 }
 
 namespace {
-
-// Both searches find the pairs across the sheared boundary last.
-template <int d>
-void mark_crossing(PairList<d>& pairs, std::size_t begin) {
-    pairs.crossing.resize(pairs.count - begin);
-    std::iota(pairs.crossing.begin(), pairs.crossing.end(), static_cast<std::uint32_t>(begin));
-}
 
 // To the nearest image in a period.
 inline double nearest(double separation, double period) {
@@ -95,19 +73,12 @@ void PairSearch<d>::find_by_brute_force(Particles<d> const& particles, Box<d> co
                     ++pairs.coincident;
                     continue;
                 }
-                pairs.grow_to(pairs.count + 1);
-                pairs.i[pairs.count] = i;
-                pairs.j[pairs.count] = j;
-                double const r = std::sqrt(squared), inverse = 1.0 / r;
-                for (int axis = 0; axis < d; ++axis)
-                    pairs.unit[std::size_t(axis)][pairs.count] = separation[axis] * inverse;
-                pairs.distance[pairs.count++] = r;
+                double const r = std::sqrt(squared);
+                pairs.append({i, j, separation.array().transpose() * (1.0 / r), r, across});
             }
     };
     pass(false);
-    std::size_t const within = pairs.count;
     if (box.sheared()) pass(true);
-    mark_crossing(pairs, within);
 }
 
 // By how much a distance in single precision may be wrong: a coordinate, of an image too, by four roundings
@@ -322,7 +293,8 @@ void PairSearch<d>::find_by_cells(Particles<d> const& particles, Box<d> const& b
     search_layer(particles, box, time, top, true, !box.sheared(), false, pairs);
     std::size_t const within = pairs.count;
     if (box.sheared()) search_layer(particles, box, time, top, false, true, true, pairs);
-    mark_crossing(pairs, within);
+    pairs.crossing.resize(pairs.count - within);
+    std::iota(pairs.crossing.begin(), pairs.crossing.end(), static_cast<std::uint32_t>(within));
 }
 
 // Finds each pair its place: place_[k] for the k-th one found.
@@ -409,8 +381,6 @@ std::size_t PairSearch<d>::bytes() const {
            scratch_.capacity() * sizeof(double);
 }
 
-template struct PairList<2>;
-template struct PairList<3>;
 template class PairSearch<2>;
 template class PairSearch<3>;
 

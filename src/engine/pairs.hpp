@@ -10,32 +10,11 @@
 
 #include "box.hpp"
 #include "noise.hpp"
+#include "pair_list.hpp"
 #include "particles.hpp"
 #include "simd_pairs.hpp"
 
 namespace dpd {
-
-/// Pairs closer than the cutoff, each once. The pairs `crossing` go across the upper Lees-Edwards boundary:
-/// their j stands for an image that moves at +image_speed along x. Arrays may be longer than `count`.
-template <int d>
-struct PairList {
-    std::size_t count = 0;
-    std::vector<std::uint32_t> crossing;      ///< which ones, ascending; empty without shear
-    std::size_t coincident = 0;               ///< pairs at r = 0: no direction, so no interaction
-    std::vector<std::uint32_t> i, j;          ///< rows of the particle state
-    std::array<std::vector<double>, d> unit;  ///< (r_i - r_j)/r
-    std::vector<double> distance;             ///< r, in (0, cutoff)
-    std::vector<double> impulse;              ///< change of i's velocity along `unit` in the last pair update
-    bool updated = false;                     ///< there was one
-
-    void clear() {
-        count = coincident = 0;
-        updated = false;
-        crossing.clear();
-    }
-    void grow_to(std::size_t size);
-    std::size_t bytes() const;
-};
 
 enum class Search {
     cell,   ///< linked to a grid of cells at least a cutoff wide
@@ -115,8 +94,6 @@ private:
     std::vector<double> scratch_;
 };
 
-extern template struct PairList<2>;
-extern template struct PairList<3>;
 extern template class PairSearch<2>;
 extern template class PairSearch<3>;
 

@@ -5,21 +5,12 @@
 
 #include <array>
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "simulation.hpp"
+#include "stage_parameters.hpp"
 
 namespace dpd {
-
-/// Which cells share a scaling factor.
-enum class Rescaling {
-    global,       ///< all
-    layers,       ///< those of one layer across y
-    monte_carlo,  ///< none: each cell tries a random one (Hecht, Harting, Ihle & Herrmann 2005)
-};
-
-inline constexpr std::array<std::string_view, 3> rescaling_names{"global", "layers", "monte_carlo"};
 
 /// Scales the velocities u relative to the mean of a cell so that sum m u^2 = d (N - N_c) kT over the cells
 /// that share a factor, which hold N particles in N_c occupied cells. Where N = N_c nothing is relative and

@@ -14,14 +14,12 @@ constexpr std::uint64_t searches_per_sorting = 16;
 
 template <int d>
 PairList<d>& Simulation<d>::pairs() {
-    if (pairs_of_step_) return pairs_;
-    if (counters.searches++ % searches_per_sorting == 0) sort_particles();
+    if (pairs_of_step()) return pair_list;
+    if (counters.searches % searches_per_sorting == 0) sort_particles();
     find_pairs_again(step);
-    counters.pairs_found += pairs_.count;
-    counters.boundary_pairs += pairs_.crossing.size();
-    counters.coincident_pairs += pairs_.coincident;
-    if (pair_search.order == Order::random) counters.random_draws += pairs_.count;
-    return pairs_;
+    counters.count_search(pair_list);
+    if (pair_search.order == Order::random) counters.random_draws += pair_list.count;
+    return pair_list;
 }
 
 template <int d>
@@ -38,8 +36,8 @@ void Simulation<d>::sort_particles() {
 template <int d>
 void Simulation<d>::find_pairs_again(std::uint64_t of_step) {
     constexpr std::uint8_t stream_order = 253;
-    pair_search.find(particles, box, time, {seed, of_step, stream_order}, pairs_);
-    pairs_of_step_ = of_step;
+    pair_search.find(particles, box, time, {seed, of_step, stream_order}, pair_list);
+    pairs_found(of_step);
 }
 
 template <int d>
@@ -70,7 +68,7 @@ std::size_t Simulation<d>::bytes() const {
     std::size_t const state = static_cast<std::size_t>(particles.size()) *
                               (2 * d * sizeof(double) + (d + 1) * sizeof(std::uint32_t));
     return state + static_cast<std::size_t>(momentum_change.size() + force.size()) * sizeof(double) +
-           pairs_.bytes() + pair_search.bytes();
+           pair_list.bytes() + pair_search.bytes();
 }
 
 template <int d>

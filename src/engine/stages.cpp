@@ -5,8 +5,9 @@
 #include <cmath>
 #include <type_traits>
 
+#include "forces.hpp"
 #include "pair_loop.hpp"
-#include "sample.hpp"
+#include "stress.hpp"
 #include "wide.hpp"
 
 namespace dpd {
@@ -17,8 +18,7 @@ template <int d>
 void draw_pair_noise(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, PairBlock block) {
     pair_normals(key, {&pairs.i[block.begin], block.size()}, {&pairs.j[block.begin], block.size()},
                  simulation.particles.id.data(), {&pairs.impulse[block.begin], block.size()});
-    simulation.counters.random_draws += block.size();
-    simulation.counters.pair_updates += block.size();
+    simulation.counters.count_updates(block.size());
 }
 
 // [streaming]
@@ -390,12 +390,7 @@ void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKe
     if (prediction != 0.0) particles.velocity += simulation.momentum_change / particles.mass;
     particles.velocity += kick * simulation.force;
     // [modified verlet]
-    auto const average = [&](double PairVirials::*part) {
-        return -0.5 * (before.*part + simulation.pair_virials.*part) / simulation.box.volume();
-    };
-    stress.potential = average(&PairVirials::potential);
-    stress.collision = average(&PairVirials::thermostat);
-    stress.friction = average(&PairVirials::friction);
+    stress.take_mean_of(before, simulation.pair_virials, simulation.box.volume());
     stress.streamed = true;
     if (friction_again) find_friction_again(simulation);
 }

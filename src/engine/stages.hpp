@@ -45,9 +45,6 @@ struct Lowe {
     void operator()(Simulation<d>& simulation, NoiseKey key) const;
 };
 
-/// Most sweeps over the pairs in one Lowe step.
-inline constexpr double most_sweeps = 100.0;
-
 /// Euler impulses of friction and noise, all from the velocities at the start of the step; they wait in
 /// `momentum_change` for the kick. @eq{MY1997,2}
 template <int d>

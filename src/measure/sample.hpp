@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "simulation.hpp"
 #include "archive.hpp"
+#include "simulation.hpp"
+#include "stress.hpp"
 
 namespace dpd {
 
@@ -79,20 +80,6 @@ struct Record {
     Eigen::ArrayXXd configuration;  ///< positions by id, in the box; empty unless asked for
     void archive(Archive& archive);
 };
-
-/// Contribution of one drift to the kinetic stress sigma_xy: minus the momentum that the particles carry
-/// through planes of constant y, averaged over all planes, per area and time. A particle that moves from y to
-/// y + v_y dt passes planes whose flow is, on average, that at mid-drift, so its peculiar velocity counts
-/// there: sigma = -(m/V) sum v_y (u_x - shear_rate v_y dt/2), with u_x at the start of the drift. Equals the
-/// integral @eq{NG2007,7} without an assumption on P(v).
-template <int d>
-double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double time_step);
-
-/// Contribution of the last pair thermostat to sigma_xy (none: 0): minus the momentum that pairs exchange
-/// through planes of constant y, averaged over all planes: -(m/(V dt)) sum_pairs impulse e_x y_ij.
-/// @eq{NG2007,11}
-template <int d>
-double collision_stress(PairList<d> const& pairs, double mass, Box<d> const& box, double time_step);
 
 /// Bond-orientational order, three dimensions, from the pairs closer than `range`. `global` is Steinhardt's
 /// Q_l of all bonds (P. J. Steinhardt, D. R. Nelson, M. Ronchetti, Phys. Rev. B 28 (1983) 784), which

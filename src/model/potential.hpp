@@ -1,11 +1,10 @@
 /// @file
-/// Conservative pair forces: the potentials, and what is summed over the pairs at one set of positions.
+/// The potentials of conservative pair forces.
 #pragma once
 
 #include <variant>
 
-#include "pair_loop.hpp"
-#include "simulation.hpp"
+#include "state.hpp"
 
 namespace dpd {
 
@@ -57,73 +56,31 @@ private:
 /// What a scene may name.
 using AnyPotential = std::variant<Soft, LennardJones>;
 
+/// -dU/dr of a potential chosen at run time; 0 from its cutoff on.
+inline double force_at(AnyPotential const& potential, double r) {
+    return std::visit([r](auto const& u) { return r < u.cutoff ? u.force(r) : 0.0; }, potential);
+}
+
 /// Factor on the conservative force of a pair: the walls' own particles do not interact.
 template <int d>
-double wall_factor(Simulation<d> const& simulation, std::uint32_t i, std::uint32_t j) {
-    bool const wall_i = simulation.particles.frozen(i), wall_j = simulation.particles.frozen(j);
-    return wall_i && wall_j ? 0.0 : wall_i || wall_j ? simulation.wall_strength : 1.0;
+double wall_factor(State<d> const& state, std::uint32_t i, std::uint32_t j) {
+    bool const wall_i = state.particles.frozen(i), wall_j = state.particles.frozen(j);
+    return wall_i && wall_j ? 0.0 : wall_i || wall_j ? state.wall_strength : 1.0;
 }
 
 /// What does not move feels no force.
 template <int d>
-void forget_wall_forces(Simulation<d> const& simulation, Field<d>& force) {
+void forget_wall_forces(State<d> const& state, Field<d>& force) {
     for (Eigen::Index p = 0; p < force.rows(); ++p)
-        if (simulation.particles.frozen(p)) force.row(p).setZero();
+        if (state.particles.frozen(p)) force.row(p).setZero();
 }
 
-/// Adds the conservative forces at the present positions to `field`, one row per particle. Returns the sum
-/// over pairs of f e_x y_ij where a stress is wanted, else zero.
-template <int d, class Potential>
-double add_forces(Simulation<d>& simulation, Potential const& potential, Field<d>& field) {
-    auto& pairs = simulation.pairs();
-    PairView<d> const view(pairs);
-    double* const force = field.data();
-    double virial = 0.0;
-    bool const walls = simulation.particles.has_walls();
-    std::array<double, block_size> f;
-    for_each_block(pairs, [&](PairBlock block) {
-        wide_loop(block.size(), [=, f = f.data(), r = view.distance + block.begin](std::size_t k) {
-            f[k] = r[k] < potential.cutoff ? potential.force(r[k]) : 0.0;
-        });
-        if (walls)
-            for (std::size_t k = 0; k < block.size(); ++k)
-                f[k] *= wall_factor(simulation, view.i[block.begin + k], view.j[block.begin + k]);
-        ordered_loop(block.begin, block.end, [=, f = f.data()](std::size_t k) {
-            auto const [i, j, e] = PairRows<d>(view, k);
-            double const f_k = f[k - block.begin];
-            // [pair force]
-            for (int axis = 0; axis < d; ++axis) {
-                force[i + axis] += f_k * e[axis];
-                force[j + axis] -= f_k * e[axis];
-            }
-            // [pair force]
-        });
-        if (simulation.stage_stress.wanted) virial += sum_of_arms(view, block, f.data());
-    });
-    if (walls) forget_wall_forces(simulation, field);
-    simulation.counters.potential_evaluations += pairs.count;
-    return virial;
-}
-
-/// The conservative forces at the present positions, computed once for each set of positions.
-template <int d, class Potential>
-Field<d> const& forces(Simulation<d>& simulation, Potential const& potential) {
-    if (simulation.forces_valid()) return simulation.force;
-    simulation.pairs();  // may sort the particles
-    simulation.force.setZero(simulation.particles.size(), d);
-    simulation.pair_virials = {.potential = add_forces(simulation, potential, simulation.force)};
-    simulation.forces_found();
-    return simulation.force;
-}
-
-/// The Laplacian counts every pair twice, once for each partner.
+/// Sums over the pairs of a conservative force, which gives each particle the force of its row. The Laplacian
+/// counts every pair twice, once for each partner.
 // [potential sums]
 template <int d, class Potential>
-PotentialSums potential_sums(Simulation<d>& simulation, Potential const& potential) {
+PotentialSums potential_sums(PairList<d> const& pairs, Field<d> const& force, Potential const& potential) {
     PotentialSums sums;
-    auto const& pairs = simulation.pairs();
-    Field<d> force = Field<d>::Zero(simulation.particles.size(), d);
-    add_forces(simulation, potential, force);
     sums.force_squared = force.square().sum();
     for (std::size_t k = 0; k < pairs.count; ++k) {
         double const r = pairs.distance[k];

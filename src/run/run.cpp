@@ -7,6 +7,8 @@
 
 #include "archive.hpp"
 #include "checkpoint.hpp"
+#include "forces.hpp"
+#include "rescale.hpp"
 #include "stages.hpp"
 
 namespace dpd {

@@ -11,39 +11,10 @@
 
 #include "pairs.hpp"
 #include "potential.hpp"
-#include "rescale.hpp"
 #include "sample.hpp"
-#include "scheme.hpp"
-#include "weight.hpp"
+#include "stage_parameters.hpp"
 
 namespace dpd {
-
-struct ShardlowParameters {
-    double friction = 1.0, cutoff = 1.0, kT = 1.0;
-    Weight weight = Weight::linear;
-    Scheme scheme = Scheme::shardlow;
-};
-
-struct LoweParameters {
-    double rate = 1.0, cutoff = 1.0, kT = 1.0;
-};
-
-struct RescaleParameters {
-    Rescaling mode = Rescaling::global;
-    double kT = 1.0, cell = 1.0, amplitude = 0.3;
-    std::uint64_t thickness = 1;
-};
-
-struct BodyForceParameters {
-    double acceleration = 0.0;
-    bool opposed = false;
-};
-
-struct ModifiedVerletParameters {
-    double gamma = 4.5, sigma = 3.0, cutoff = 1.0, lambda = 0.5;
-    bool friction_again = false;
-    Weight weight = Weight::quadratic;
-};
 
 /// The paper's own description of a DPD fluid, @eq{PK2006,1} to @eq{PK2006,4}: what is missing in the scene
 /// follows from it. Lengths and forces in the atoms' units.
@@ -52,12 +23,6 @@ struct CoarseGrainingParameters {
     std::vector<double> length;  ///< sides of the fluid, sigma; empty: box.length counts
     double force = 0.0;          ///< on each atom, along x, m sigma/tau^2
     double viscosity = 0.0;      ///< of the DPD fluid, its own units; with `force` only
-};
-
-struct EulerParameters {
-    double gamma = 1.0, sigma = 1.0, cutoff = 1.0;
-    Weight weight = Weight::linear;
-    std::optional<Weight> random_weight;  ///< none: matched, w_R^2 = w_D
 };
 
 struct Scene {

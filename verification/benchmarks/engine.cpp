@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "forces.hpp"
 #include "run.hpp"
 #include "stages.hpp"
 #include "wide.hpp"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "potential.hpp"
+#include "forces.hpp"
 #include "simulation.hpp"
 #include "theory/closed_forms.hpp"
 

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "analysis.hpp"
+#include "forces.hpp"
 #include "rescale.hpp"
 #include "run.hpp"
 #include "sample.hpp"

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "errors.hpp"
+#include "forces.hpp"
 #include "run.hpp"
 #include "stages.hpp"
 #include "theory/closed_forms.hpp"

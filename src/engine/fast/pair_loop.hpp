@@ -9,14 +9,13 @@
 
 #include "box.hpp"
 #include "pairs.hpp"
+#include "stress.hpp"
 #include "wide.hpp"
 
 namespace dpd {
 
 /// Pairs are worked through in blocks, few enough that what one loop leaves for the next stays in the
 /// processor's nearest cache.
-inline constexpr std::size_t block_size = 256;
-
 struct PairBlock {
     std::size_t begin, end;
     std::size_t size() const { return end - begin; }
@@ -55,14 +54,15 @@ struct PairRows {
     }
 };
 
-/// The sum of f e_x y_ij over the pairs of a block, f[0] that of its first: minus the volume times a stress.
+/// The sum of f e_x y_ij over the pairs of a block, f[0] that of its first; minus this over
+/// the volume is a stress.
 template <int d>
 double sum_of_arms(PairView<d> const& view, PairBlock block, double const* f) {
     std::array<double, block_size> moment;
     wide_loop(block.size(), [=, begin = block.begin, moment = moment.data()](std::size_t k) {
         moment[k] = f[k] * view.unit[0][begin + k] * view.unit[1][begin + k] * view.distance[begin + k];
     });
-    return Eigen::Map<Eigen::ArrayXd const>(moment.data(), Eigen::Index(block.size())).sum();
+    return sum_in_blocks({moment.data(), block.size()});
 }
 
 /// Calls visit(k, speed) for every pair of the block, one after the other, where `speed` is that of j's image
