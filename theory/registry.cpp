@@ -11,11 +11,11 @@
 namespace dpd::theory {
 namespace {
 
-constexpr std::string_view scheme_names = "shardlow, exponential, linear";
 constexpr std::string_view zero_or_more = ">= 0";
-constexpr std::string_view random_weight_names = "matched, constant, linear, quadratic, parabolic, root";
+std::string const weight_names = name_list<Weight>(), random_weight_names = "matched, " + weight_names,
+                  scheme_names = name_list<Scheme>();
 
-constexpr std::array<Parameter, 35> all_parameters{{
+std::array<Parameter, 35> const all_parameters{{
     {"d", "dimension of space", "3", "2 or 3"},
     {"n", "number density", std::nullopt, "> 0"},
     {"m", "mass of a particle", "1", "> 0"},
@@ -140,7 +140,7 @@ Arguments::Arguments(ClosedForm const& form, std::span<std::pair<std::string, st
 
 void Arguments::set(Parameter const& parameter, std::string_view text) {
     if (parameter.name == "weight" || parameter.name == "random_weight") {
-        auto const weight = weight_from_name(text);
+        auto const weight = value_of<Weight>(text);
         bool const matched = parameter.name == "random_weight" && text == "matched";
         if (!weight && !matched) refuse(parameter, text);
         if (parameter.name == "weight")
@@ -150,7 +150,7 @@ void Arguments::set(Parameter const& parameter, std::string_view text) {
         return;
     }
     if (parameter.name == "scheme") {
-        auto const scheme = scheme_from_name(text);
+        auto const scheme = value_of<Scheme>(text);
         if (!scheme) refuse(parameter, text);
         scheme_ = *scheme;
         return;

@@ -484,7 +484,7 @@ std::string foreign_parameters(Code const& code, Foreign const& of, Json const& 
     fluid.a = parameters["a"].get<double>() * of.energy / of.length;
     fluid.dt = parameters["dt"].get<double>() * of.time();
     fluid.rc = of.length, fluid.m = of.mass, fluid.kT = of.energy;
-    fluid.weight = *weight_from_name(parameters["weight"].get<std::string>());
+    fluid.weight = *value_of<Weight>(parameters["weight"].get<std::string>());
     std::string text =
         fmt::format("{}: n={:.6g}", code.name,
                     parameters["n"].get<double>() / std::pow(of.length, parameters["d"].get<int>()));

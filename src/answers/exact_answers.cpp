@@ -189,14 +189,14 @@ Json pair_functions() {
     Json weight = Json::array(), update = Json::array(), potential = Json::array();
     for (double const x : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1.0, 1.1}) {
         Json row{{"x", x}};
-        for (auto const& [name, w] : weights) row[std::string(name)] = weight_at(w, x);
+        for (auto const name : names<Weight>) row[std::string(name)] = weight_at(*value_of<Weight>(name), x);
         weight.push_back(row);
     }
     for (double const mass : {1.0, 2.5})
         for (double const a : {0.0, 0.001, 0.1, 0.5, 1.0}) {
             Json row{{"a", a}, {"mass", mass}};
-            for (auto const& [name, scheme] : schemes) {
-                double const A = update_a(scheme, a);
+            for (auto const name : names<Scheme>) {
+                double const A = update_a(*value_of<Scheme>(name), a);
                 row[std::string(name)] = {{"A", A}, {"B", update_b(A, mass)}};
             }
             update.push_back(row);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "errors.hpp"
+#include "names.hpp"
 
 namespace dpd {
 
@@ -79,6 +80,12 @@ public:
             (!allowed.empty() && std::find(allowed.begin(), allowed.end(), *value) == allowed.end()))
             fail(*node, key, choices);
         return *value;
+    }
+
+    /// A value of an enumeration, by its name.
+    template <class Enum>
+    Enum choice(std::string const& key, std::optional<std::string> fallback) {
+        return *value_of<Enum>(text(key, std::move(fallback), names<Enum>));
     }
 
     /// An enumeration by its names, in the order of its values.

@@ -125,8 +125,8 @@ void Shardlow<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
     simulation.stage_stress.friction = 0.0;
     // [shardlow]
     double const rate = friction * simulation.time_step / simulation.particles.mass;
-    with_weight(weight, [&]<Weight w>() {
-        with_scheme(scheme, [&]<Scheme s>() {
+    with_value(weight, [&]<Weight w>() {
+        with_value(scheme, [&]<Scheme s>() {
             update_pairs(simulation, pairs, key, cutoff, kT,
                          [=](std::size_t, double x) { return update_a<s>(rate * weight_at<w>(x)); });
         });
@@ -184,7 +184,7 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
         double* const xi = view.impulse + block.begin;
-        with_weight(weight, [&]<Weight w>() {
+        with_value(weight, [&]<Weight w>() {
             wide_loop(block.size(), [=, per_cutoff = 1.0 / cutoff, matched = matched,
                                      random_weight = random_weight, drag = drag.data()](std::size_t k) {
                 // [euler coefficients]
@@ -284,7 +284,7 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
         double* const xi = view.impulse + block.begin;
-        with_weight(weight, [&]<Weight w>() {
+        with_value(weight, [&]<Weight w>() {
             wide_loop(block.size(), [=, gamma = gamma, per_cutoff = 1.0 / cutoff, potential = potential,
                                      conservative = conservative.data(), drag = drag.data()](std::size_t k) {
                 // [modified verlet force]
@@ -340,7 +340,7 @@ void ModifiedVerlet<d, Potential>::find_friction_again(Simulation<d>& simulation
     double added = 0.0;
     std::array<double, block_size> change;
     for_each_block(pairs, [&](PairBlock block) {
-        with_weight(weight, [&]<Weight w>() {
+        with_value(weight, [&]<Weight w>() {
             auto const again = [=, gamma = gamma, cutoff = cutoff, change = change.data()](std::size_t k,
                                                                                            auto image_speed) {
                 double const x = view.distance[k] / cutoff;

@@ -33,8 +33,8 @@ namespace {
 constexpr double gas_constant = 8.31446261815324e-3;
 
 std::optional<Weight> weight_of_exponent(double p) {
-    for (auto const& [name, weight] : weights)
-        if (exponent(weight) == p) return weight;
+    for (auto const name : names<Weight>)
+        if (auto const weight = value_of<Weight>(name); exponent(*weight) == p) return weight;
     return std::nullopt;
 }
 

@@ -50,8 +50,8 @@ public:
     }
 
     Weight weight(std::string_view name) const {
-        if (auto const found = weight_from_name(text(name))) return *found;
-        refuse(name, weight_names);
+        if (auto const found = value_of<Weight>(text(name))) return *found;
+        refuse(name, name_list<Weight>());
     }
 
     /// The value is one that the code has and dpdref does not, or none at all.

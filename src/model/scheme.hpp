@@ -3,10 +3,10 @@
 /// at any time step. A member is its A; B follows. @eq{NG2007,4}
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <optional>
 #include <string_view>
+
+#include "names.hpp"
 
 namespace dpd {
 
@@ -18,54 +18,37 @@ enum class Scheme {
     linear,  ///< A = a: one explicit step with the noise that mends it; needs a <= 1 (Peters 2004, scheme I)
 };
 
-struct NamedScheme {
+/// What a scheme is called, and its A for a >= 0.
+struct SchemeFormula {
     std::string_view name;
-    Scheme scheme;
+    double (*update_a)(double a);
 };
 
-inline constexpr std::array<NamedScheme, 3> schemes{
-    {{"shardlow", Scheme::shardlow}, {"exponential", Scheme::exponential}, {"linear", Scheme::linear}}};
-
-/// The scheme of that name, or nothing.
-constexpr std::optional<Scheme> scheme_from_name(std::string_view name) {
-    for (auto const& candidate : schemes)
-        if (candidate.name == name) return candidate.scheme;
-    return std::nullopt;
-}
-
-constexpr std::string_view name_of(Scheme scheme) {
-    for (auto const& candidate : schemes)
-        if (candidate.scheme == scheme) return candidate.name;
-    return "";
-}
-
-/// A of a pair, a = w(r) dt/m >= 0.
 // [update a]
-template <Scheme scheme>
-inline double update_a(double a) {
-    if constexpr (scheme == Scheme::shardlow) return a / (1.0 + a);
-    if constexpr (scheme == Scheme::exponential) return -0.5 * std::expm1(-2.0 * a);
-    if constexpr (scheme == Scheme::linear) return a;
-}
-// [update a]
-
-/// Calls `f.operator()<scheme>()`, so that an inner loop is compiled once per scheme.
-template <class F>
-decltype(auto) with_scheme(Scheme scheme, F&& f) {
+constexpr SchemeFormula formula_of(Scheme scheme) {
     switch (scheme) {
         case Scheme::shardlow:
-            return f.template operator()<Scheme::shardlow>();
+            return {"shardlow", [](double a) { return a / (1.0 + a); }};
         case Scheme::exponential:
-            return f.template operator()<Scheme::exponential>();
-        default:
-            return f.template operator()<Scheme::linear>();
+            return {"exponential", [](double a) { return -0.5 * std::expm1(-2.0 * a); }};
+        case Scheme::linear:
+            return {"linear", [](double a) { return a; }};
     }
+    return {};
+}
+// [update a]
+
+constexpr std::string_view name_of(Scheme scheme) { return formula_of(scheme).name; }
+
+/// A of a pair, a = w(r) dt/m >= 0.
+template <Scheme scheme>
+inline double update_a(double a) {
+    constexpr auto formula = formula_of(scheme).update_a;
+    return formula(a);
 }
 
 /// A for a scheme chosen at run time.
-inline double update_a(Scheme scheme, double a) {
-    return with_scheme(scheme, [a]<Scheme s>() { return update_a<s>(a); });
-}
+inline double update_a(Scheme scheme, double a) { return formula_of(scheme).update_a(a); }
 
 /// B = sqrt(A(1-A)/m), which keeps kT at any step and mass. NG2007, below eq. 5; the B printed in eq. 5 lacks
 /// the factor 1/sqrt(m).

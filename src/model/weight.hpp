@@ -2,10 +2,10 @@
 /// Radial weight functions of the friction, w(r) as a function of x = r/cutoff on [0, 1).
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <optional>
 #include <string_view>
+
+#include "names.hpp"
 
 namespace dpd {
 
@@ -18,64 +18,40 @@ enum class Weight {
     root,       ///< (1 - x)^(1/2)    (candidate for MY1997)
 };
 
-struct NamedWeight {
+/// What a weight is called, and w(x) for x in [0, 1).
+struct WeightFormula {
     std::string_view name;
-    Weight weight;
+    double (*at)(double x);
 };
 
-inline constexpr std::array<NamedWeight, 5> weights{{{"constant", Weight::constant},
-                                                     {"linear", Weight::linear},
-                                                     {"quadratic", Weight::quadratic},
-                                                     {"parabolic", Weight::parabolic},
-                                                     {"root", Weight::root}}};
-
-/// "constant, linear, quadratic, parabolic, root", for messages.
-inline constexpr std::string_view weight_names = "constant, linear, quadratic, parabolic, root";
-
-/// The weight of that name, or nothing.
-constexpr std::optional<Weight> weight_from_name(std::string_view name) {
-    for (auto const& candidate : weights)
-        if (candidate.name == name) return candidate.weight;
-    return std::nullopt;
-}
-
-constexpr std::string_view name_of(Weight weight) {
-    for (auto const& candidate : weights)
-        if (candidate.weight == weight) return candidate.name;
-    return "";
-}
-
-/// w(x), x = r/cutoff in [0, 1); the caller has cut off x >= 1.
-template <Weight weight>
-inline double weight_at(double x) {
-    if constexpr (weight == Weight::constant) return 1.0;
-    if constexpr (weight == Weight::linear) return 1.0 - x;
-    if constexpr (weight == Weight::quadratic) return (1.0 - x) * (1.0 - x);
-    if constexpr (weight == Weight::parabolic) return 1.0 - x * x;
-    if constexpr (weight == Weight::root) return std::sqrt(1.0 - x);
-}
-
-/// Calls `f.operator()<weight>()`, so that an inner loop is compiled once per weight.
-template <class F>
-decltype(auto) with_weight(Weight weight, F&& f) {
+// [weights]
+constexpr WeightFormula formula_of(Weight weight) {
     switch (weight) {
         case Weight::constant:
-            return f.template operator()<Weight::constant>();
+            return {"constant", [](double) { return 1.0; }};
         case Weight::linear:
-            return f.template operator()<Weight::linear>();
+            return {"linear", [](double x) { return 1.0 - x; }};
         case Weight::quadratic:
-            return f.template operator()<Weight::quadratic>();
+            return {"quadratic", [](double x) { return (1.0 - x) * (1.0 - x); }};
         case Weight::parabolic:
-            return f.template operator()<Weight::parabolic>();
-        default:
-            return f.template operator()<Weight::root>();
+            return {"parabolic", [](double x) { return 1.0 - x * x; }};
+        case Weight::root:
+            return {"root", [](double x) { return std::sqrt(1.0 - x); }};
     }
+    return {};
+}
+// [weights]
+
+constexpr std::string_view name_of(Weight weight) { return formula_of(weight).name; }
+
+/// w(x) for x in [0, 1); the caller has cut off x >= 1.
+template <Weight weight>
+inline double weight_at(double x) {
+    constexpr auto at = formula_of(weight).at;
+    return at(x);
 }
 
 /// w(x) for a weight chosen at run time; 0 for x >= 1.
-inline double weight_at(Weight weight, double x) {
-    if (x >= 1.0) return 0.0;
-    return with_weight(weight, [x]<Weight w>() { return weight_at<w>(x); });
-}
+inline double weight_at(Weight weight, double x) { return x < 1.0 ? formula_of(weight).at(x) : 0.0; }
 
 }  // namespace dpd

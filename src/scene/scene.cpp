@@ -105,9 +105,7 @@ std::uint64_t steps_of(double time, double step) {
 }
 
 Weight read_weight(TomlReader& reader, std::string const& key, std::string const& fallback = "linear") {
-    std::array<std::string_view, weights.size()> names;
-    std::transform(weights.begin(), weights.end(), names.begin(), [](auto const& w) { return w.name; });
-    return *weight_from_name(reader.text(key, fallback, names));
+    return reader.choice<Weight>(key, fallback);
 }
 
 void read_coarse_graining(Scene& scene, TomlReader reader) {
@@ -189,9 +187,7 @@ void read_time(Scene& scene, TomlReader reader) {
 }
 
 Scheme read_scheme(TomlReader& reader, std::string const& key) {
-    std::array<std::string_view, schemes.size()> names;
-    std::transform(schemes.begin(), schemes.end(), names.begin(), [](auto const& s) { return s.name; });
-    return *scheme_from_name(reader.text(key, "shardlow", names));
+    return reader.choice<Scheme>(key, "shardlow");
 }
 
 void read_shardlow(Scene& scene, TomlReader& reader) {

@@ -388,9 +388,7 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& path, std:
     auto const known_integrators = read_integrators(*definitions);
     auto const integrators = chosen_integrators(root, known_integrators);
     StartRun const start = read_start(root.required_table("start"), known_integrators);
-    std::array<std::string_view, weights.size()> names;
-    std::transform(weights.begin(), weights.end(), names.begin(), [](auto const& w) { return w.name; });
-    Weight const weight = *weight_from_name(root.text("weight", std::nullopt, names));
+    auto const weight = root.choice<Weight>("weight", std::nullopt);
 
     auto const [range, length] = read_budget(root, budget, [](TomlReader& table) {
         StepRange const r{.smallest = table.number("smallest", std::nullopt, positive),

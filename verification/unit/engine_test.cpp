@@ -82,7 +82,7 @@ void compare_searches(std::array<double, d> length, Eigen::Index n, double shear
 
 template <int d>
 std::vector<Stage<d>> stages_named(std::string const& method, int weight) {
-    auto const w = weights[static_cast<std::size_t>(weight)].weight;
+    auto const w = static_cast<Weight>(weight);
     Stage<d> const euler{"euler", EulerImpulses<d>{.gamma = 1.5, .sigma = 1.2, .weight = w}};
     Stage<d> const kick{"kick", Kick<d>{}}, drift{"drift", Drift<d>{}};
     if (method == "euler, new momentum") return {euler, kick, drift};

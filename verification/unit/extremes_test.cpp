@@ -47,7 +47,7 @@ struct Fluid {
 // 192 particles in a box of side 4, unless `more` says otherwise.
 Scene scene(Fluid const& fluid, std::vector<std::string> const& more = {}, std::uint64_t seed = 1) {
     auto const set = [](std::string const& key, double value) { return fmt::format("{}={}", key, value); };
-    bool const scheme = scheme_from_name(fluid.thermostat).has_value();
+    bool const scheme = value_of<Scheme>(fluid.thermostat).has_value();
     std::string const stage = scheme ? "shardlow" : fluid.thermostat;
     bool const modified = stage == "modified_verlet";
     std::string const mover = fluid.strength > 0.0 ? "verlet" : "drift";

@@ -327,7 +327,7 @@ BOOST_DATA_TEST_CASE(modified_verlet_without_thermostat_is_verlet,
 // and step n-1 of Euler uses it. Positions are then the same, and velocities differ by half a kick.
 BOOST_DATA_TEST_CASE(modified_verlet_at_one_half_is_euler_half_a_kick_later,
                      data::make({0.0, 1.5}) * data::make({"quadratic", "linear"}), sigma, name) {
-    Weight const weight = *weight_from_name(name);
+    Weight const weight = *value_of<Weight>(name);
     double const dt = 0.05, m = 1.3, gamma = 3.0;
     auto modified = small_gas<3>(0.0, dt, m);
     ModifiedVerlet<3, Soft> stage;
@@ -811,7 +811,7 @@ BOOST_DATA_TEST_CASE(lowe_sweeps_by_hand, data::make({0.0, 0.3, 1.0, 2.5, 3.0}) 
 BOOST_DATA_TEST_CASE(schemes_of_one_pair,
                      data::make({"shardlow", "exponential", "linear"}) * data::make({0.01, 0.5, 0.9, 20.0}),
                      name, friction) {
-    Scheme const scheme = *scheme_from_name(name);
+    Scheme const scheme = *value_of<Scheme>(name);
     double const m = 2.5, dt = 0.8, kT = 1.7, a = friction * dt / m;  // at constant weight
     if (scheme == Scheme::linear && a > 1.0) return;
     double const kept = scheme == Scheme::exponential ? std::exp(-2.0 * a)
