@@ -170,7 +170,7 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
         for (auto const& form : closed_forms)
             if (form.interacting == (repulsion > 0.0) &&
                 (form.stage.empty() || scene.has_stage(form.stage)) &&
-                (!form.interacting || std::holds_alternative<Soft>(scene.potential)))
+                (!form.interacting || scene.soft()))
                 state.closed_forms.emplace_back(form.quantity, form.id);
         answers.states.push_back(std::move(state));
     }
@@ -216,7 +216,7 @@ std::vector<Quantity> all_quantities(Point const& rest, Point const& shear) {
 }
 
 Json parameters_of(StatePoint const& state, Scene const& scene, Scene const& sheared) {
-    Json parameters{{"integrator", state.integrator}, {"stages", scene.stages}};
+    Json parameters{{"integrator", state.integrator}, {"stages", scene.stage_names()}};
     for (auto const& [name, text] : theory_arguments(scene)) {
         std::istringstream stream(text);
         if (double number; stream >> number)
@@ -224,7 +224,7 @@ Json parameters_of(StatePoint const& state, Scene const& scene, Scene const& she
         else
             parameters[name] = text;
     }
-    if (!scene.has_potential()) parameters["a"] = 0.0;
+    if (!scene.potential()) parameters["a"] = 0.0;
     parameters["d"] = scene.dimension;
     parameters["n"] = scene.density();
     parameters["N"] = scene.particles;

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "run.hpp"
-#include "stages.hpp"
 #include "toml_reader.hpp"
 
 namespace dpd {
@@ -42,32 +41,33 @@ struct PairStage {
     double sweeps = 1.0;
 };
 
-std::optional<PairStage> pair_stage(Scene const& scene, std::string const& name) {
-    if (name == "shardlow") return PairStage{scene.shardlow.cutoff};
-    if (name == "euler") return PairStage{scene.euler.cutoff};
-    if (name == "modified_verlet") return PairStage{scene.modified_verlet.cutoff};
-    if (name == "lowe") return PairStage{scene.lowe.cutoff, scene.lowe.rate * scene.time_step};
+std::optional<PairStage> pair_stage(AnyStage const& stage, double time_step) {
+    if (auto const* const s = std::get_if<Shardlow>(&stage)) return PairStage{s->cutoff};
+    if (auto const* const s = std::get_if<EulerImpulses>(&stage)) return PairStage{s->cutoff};
+    if (auto const* const s = std::get_if<ModifiedVerlet>(&stage)) return PairStage{s->cutoff};
+    if (auto const* const s = std::get_if<Lowe>(&stage)) return PairStage{s->cutoff, s->rate * time_step};
     return std::nullopt;
 }
 
 // Lists what a stage has drawn, in the order of its use. `key` is that of the stage's first draw. That these
 // are the engine's own draws is for the independent check to prove: it uses no others.
 template <int d>
-void list_noise(Json& noise, Simulation<d>& simulation, Scene const& scene, std::string const& stage,
+void list_noise(Json& noise, Simulation<d>& simulation, Scene const& scene, AnyStage const& stage,
                 NoiseKey key) {
-    if (stage == "rescale") {
-        Json entry{{"stage", stage}, {"shift", Json::array()}};
+    std::string const name(kind_of(stage).name);
+    if (auto const* const rescale = std::get_if<Rescale>(&stage)) {
+        Json entry{{"stage", name}, {"shift", Json::array()}};
         std::uint32_t cells = 1;
         for (std::uint32_t axis = 0; axis < d; ++axis) {
-            entry["shift"].push_back(scene.rescale.cell * uniform(key, axis, 0));
-            cells *= static_cast<std::uint32_t>(std::llround(scene.length[axis] / scene.rescale.cell));
+            entry["shift"].push_back(rescale->cell * uniform(key, axis, 0));
+            cells *= static_cast<std::uint32_t>(std::llround(scene.length[axis] / rescale->cell));
         }
-        if (scene.rescale.mode == Rescaling::monte_carlo)
+        if (rescale->mode == Rescaling::monte_carlo)
             for (std::uint32_t c = 0; c < cells; ++c)
                 entry["lots"].push_back({uniform(key, c, 1), uniform(key, c, 2), uniform(key, c, 3)});
         noise.push_back(entry);
     }
-    auto const acting = pair_stage(scene, stage);
+    auto const acting = pair_stage(stage, scene.time_step);
     if (!acting) return;
     auto const& pairs = simulation.pairs();
     auto const& id = simulation.particles.id;
@@ -80,12 +80,12 @@ void list_noise(Json& noise, Simulation<d>& simulation, Scene const& scene, std:
         pair_uniforms(lots_key, i, j, id.data(), lots);
         for (std::size_t k = 0; k < pairs.count; ++k) {
             if (pairs.distance[k] >= acting->cutoff) continue;
-            Json entry{{"stage", stage},
+            Json entry{{"stage", name},
                        {"pair", {id[pairs.i[k]], id[pairs.j[k]]}},
                        {"distance", pairs.distance[k]}};
             if (scene.thermostat_kT() > 0.0) entry["normal"] = normals[k];
-            if (stage == "lowe" && acting->sweeps - sweep < 1.0) entry["uniform"] = lots[k];
-            if (stage == "lowe") entry["sweep"] = sweep;
+            if (std::holds_alternative<Lowe>(stage) && acting->sweeps - sweep < 1.0) entry["uniform"] = lots[k];
+            if (std::holds_alternative<Lowe>(stage)) entry["sweep"] = sweep;
             noise.push_back(entry);
         }
     }
@@ -118,16 +118,18 @@ void run_case(Json& result, Scene const& scene, State const& state) {
     simulation.step = state.step;
     simulation.time = double(state.step) * scene.time_step;
     Json initial = state_json(simulation.particles), first_noise = Json::array(), noise;
-    for (auto& stage : simulation.stages)
-        stage.act = [&, name = stage.name, act = stage.act](Simulation<d>& s, NoiseKey key) {
-            if (name == "modified_verlet" && !s.forces_valid()) {  // the forces that a start needs
+    for (std::size_t place = 0; place < scene.stages.size(); ++place) {
+        auto& act = simulation.stages[place].act;
+        act = [&, stage = scene.stages[place], plain = act](Simulation<d>& s, NoiseKey key) {
+            if (std::holds_alternative<ModifiedVerlet>(stage) && !s.forces_valid()) {  // that a start needs
                 NoiseKey first = key;
                 first.sweep = 1;
-                list_noise(first_noise, s, scene, name, first);
+                list_noise(first_noise, s, scene, stage, first);
             }
-            act(s, key);
-            list_noise(noise, s, scene, name, key);
+            plain(s, key);
+            list_noise(noise, s, scene, stage, key);
         };
+    }
     result["initial"] = initial;
     result["initial"]["time"] = simulation.time;
     result["steps"] = Json::array();

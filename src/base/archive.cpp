@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "errors.hpp"
-#include "particles.hpp"
 #include "version.hpp"
 
 namespace dpd {
@@ -184,10 +183,12 @@ template void Archive::array(std::string const&, Eigen::ArrayXd&);
 template void Archive::array(std::string const&, Eigen::ArrayXXd&);
 template void Archive::array(std::string const&, Eigen::ArrayX2d&);
 template void Archive::array(std::string const&, Eigen::ArrayX3d&);
-template void Archive::array(std::string const&, Field<2>&);
-template void Archive::array(std::string const&, Field<3>&);
-template void Archive::array(std::string const&, Field<2, std::int32_t>&);
-template void Archive::array(std::string const&, Field<3, std::int32_t>&);
+template <int columns, class Scalar = double>
+using Rows = Eigen::Array<Scalar, Eigen::Dynamic, columns, Eigen::RowMajor>;
+template void Archive::array(std::string const&, Rows<2>&);
+template void Archive::array(std::string const&, Rows<3>&);
+template void Archive::array(std::string const&, Rows<2, std::int32_t>&);
+template void Archive::array(std::string const&, Rows<3, std::int32_t>&);
 template void Archive::array(std::string const&, Eigen::Array<std::uint32_t, Eigen::Dynamic, 1>&);
 
 namespace {

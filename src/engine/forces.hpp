@@ -53,6 +53,12 @@ Field<d> const& forces(Simulation<d>& simulation, Potential const& potential) {
     return simulation.force;
 }
 
+/// The same for a potential chosen at run time.
+template <int d>
+Field<d> const& forces(Simulation<d>& simulation, AnyPotential const& potential) {
+    return std::visit([&](auto const& p) -> Field<d> const& { return forces(simulation, p); }, potential);
+}
+
 /// The sums over the pairs of the potential at the present positions.
 template <int d, class Potential>
 PotentialSums potential_sums(Simulation<d>& simulation, Potential const& potential) {

@@ -21,12 +21,34 @@ enum class Search {
     brute,  ///< all N(N-1)/2 pairs: the reference that the cell search is tested against
 };
 
+constexpr std::string_view name_of(Search value) {
+    switch (value) {
+        case Search::cell:
+            return "cell";
+        case Search::brute:
+            return "brute";
+    }
+    return "";
+}
+
 /// In which order sequential updates (Shardlow, Lowe) visit the pairs. NG2007 leaves it open.
 enum class Order {
     cell,    ///< as found: neighbours in space follow each other in the sequence
     id,      ///< by particle ids: independent of the search
     random,  ///< a new random one at each search
 };
+
+constexpr std::string_view name_of(Order value) {
+    switch (value) {
+        case Order::cell:
+            return "cell";
+        case Order::id:
+            return "id";
+        case Order::random:
+            return "random";
+    }
+    return "";
+}
 
 /// Finds pairs; keeps its work arrays between calls.
 template <int d>

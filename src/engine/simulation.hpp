@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "noise.hpp"
 #include "pairs.hpp"
+#include "stages.hpp"
 #include "state.hpp"
 
 namespace dpd {
@@ -21,9 +23,18 @@ struct Simulation;
 /// A stage acts on the state once per step. Its place in the list is the stream of its noise.
 template <int d>
 struct Stage {
+    using Act = std::function<void(Simulation<d>&, NoiseKey)>;
     std::string name;
-    std::function<void(Simulation<d>&, NoiseKey)> act;
+    Act act;
+
+    Stage(AnyStage const& stage);
+    template <class S>
+    requires std::constructible_from<AnyStage, S> Stage(S const& stage) : Stage(AnyStage(stage)) {}
+    Stage(std::string its_name, Act does) : name(std::move(its_name)), act(std::move(does)) {}
 };
+
+extern template struct Stage<2>;
+extern template struct Stage<3>;
 
 template <int d>
 struct Simulation : State<d> {
@@ -35,6 +46,7 @@ struct Simulation : State<d> {
     PairSearch<d> pair_search;
     double hottest = 0.0;  ///< kT beyond which the run counts as diverged; 0: none
     std::function<PotentialSums(Simulation&)> potential_sums;  ///< of the scene's potential, if it has one
+    std::function<void(Simulation&)> sample;                   ///< what the stage of that name calls
 
     /// The pairs within the cutoff of the pair search, at the present positions; shared by all stages until
     /// positions change.
@@ -54,6 +66,12 @@ private:
     void check_divergence() const;
 };
 
+/// One stage, outside of any list.
+template <int d>
+void act(AnyStage const& stage, Simulation<d>& simulation, NoiseKey key) {
+    Stage<d>(stage).act(simulation, key);
+}
+
 /// kT of the peculiar velocities, (1/(d(N-1))) sum m (v - u(y))^2: momentum is conserved.
 template <int d>
 double kinetic_temperature(Particles<d> const& particles, Box<d> const& box);
@@ -69,7 +87,17 @@ enum class Start {
     lattice,  ///< on a simple cubic (square) lattice that fills the box
 };
 
-inline constexpr std::array<std::string_view, 3> start_names{"random", "dense", "lattice"};
+constexpr std::string_view name_of(Start value) {
+    switch (value) {
+        case Start::random:
+            return "random";
+        case Start::dense:
+            return "dense";
+        case Start::lattice:
+            return "lattice";
+    }
+    return "";
+}
 
 /// Starting positions and Maxwell velocities at kT with zero total momentum, on top of the flow. A function
 /// of the seed alone.

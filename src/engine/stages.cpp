@@ -7,6 +7,7 @@
 
 #include "forces.hpp"
 #include "pair_loop.hpp"
+#include "rescale.hpp"
 #include "stress.hpp"
 #include "wide.hpp"
 
@@ -97,15 +98,13 @@ void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, d
     pairs.updated = true;
 }
 
-}  // namespace
-
 template <int d>
-void Drift<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
+void apply(Drift const&, Simulation<d>& simulation, NoiseKey) {
     stream(simulation, simulation.time_step, double(simulation.step + 1) * simulation.time_step);
 }
 
 template <int d>
-void Scatter<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
+void apply(Scatter const&, Simulation<d>& simulation, NoiseKey key) {
     auto& particles = simulation.particles;
     auto const& box = simulation.box;
     for (Eigen::Index p = 0; p < particles.size(); ++p) {
@@ -120,14 +119,14 @@ void Scatter<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
 }
 
 template <int d>
-void Shardlow<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
+void apply(Shardlow const& stage, Simulation<d>& simulation, NoiseKey key) {
     auto& pairs = simulation.pairs();
     simulation.stage_stress.friction = 0.0;
     // [shardlow]
-    double const rate = friction * simulation.time_step / simulation.particles.mass;
-    with_value(weight, [&]<Weight w>() {
-        with_value(scheme, [&]<Scheme s>() {
-            update_pairs(simulation, pairs, key, cutoff, kT,
+    double const rate = stage.friction * simulation.time_step / simulation.particles.mass;
+    with_value(stage.weight, [&]<Weight w>() {
+        with_value(stage.scheme, [&]<Scheme s>() {
+            update_pairs(simulation, pairs, key, stage.cutoff, stage.kT,
                          [=](std::size_t, double x) { return update_a<s>(rate * weight_at<w>(x)); });
         });
     });
@@ -135,10 +134,10 @@ void Shardlow<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
 }
 
 template <int d>
-void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
+void apply(Lowe const& stage, Simulation<d>& simulation, NoiseKey key) {
     auto& pairs = simulation.pairs();
     simulation.stage_stress.friction = 0.0;
-    double const updates = rate * simulation.time_step;
+    double const updates = stage.rate * simulation.time_step;
     auto const sweeps = static_cast<int>(std::ceil(updates));
     if (sweeps == 0) std::fill_n(pairs.impulse.begin(), pairs.count, 0.0);
     Eigen::ArrayXd total, lot(pairs.count);
@@ -148,14 +147,15 @@ void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
         // [lowe sweep]
         double const probability = updates - sweep;
         if (probability >= 1.0) {
-            update_pairs(simulation, pairs, key, cutoff, kT, [](std::size_t, double) { return 0.5; });
+            update_pairs(simulation, pairs, key, stage.cutoff, stage.kT,
+                         [](std::size_t, double) { return 0.5; });
         } else {
             NoiseKey lots = key;
             lots.sweep |= 0x80;  // apart from the sweeps' normals
             pair_uniforms(lots, {pairs.i.data(), pairs.count}, {pairs.j.data(), pairs.count},
                           simulation.particles.id.data(), {lot.data(), pairs.count});
             simulation.counters.random_draws += pairs.count;
-            update_pairs(simulation, pairs, key, cutoff, kT, [&](std::size_t k, double) {
+            update_pairs(simulation, pairs, key, stage.cutoff, stage.kT, [&](std::size_t k, double) {
                 return lot[Eigen::Index(k)] < probability ? 0.5 : 0.0;
             });
         }
@@ -167,13 +167,13 @@ void Lowe<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
 }
 
 template <int d>
-void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const {
+void apply(EulerImpulses const& stage, Simulation<d>& simulation, NoiseKey key) {
     auto& pairs = simulation.pairs();
     PairView<d> const view(pairs);
     auto& particles = simulation.particles;
     simulation.momentum_change.setZero(particles.size(), d);
-    double const friction = gamma * simulation.time_step;
-    double const noise = sigma * std::sqrt(simulation.time_step);
+    double const friction = stage.gamma * simulation.time_step;
+    double const noise = stage.sigma * std::sqrt(simulation.time_step);
     bool const stress_wanted = simulation.stage_stress.wanted;
     double moved = 0.0;
     double const per_mass = 1.0 / particles.mass;
@@ -184,13 +184,13 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
         double* const xi = view.impulse + block.begin;
-        with_value(weight, [&]<Weight w>() {
-            wide_loop(block.size(), [=, per_cutoff = 1.0 / cutoff, matched = matched,
-                                     random_weight = random_weight, drag = drag.data()](std::size_t k) {
+        with_value(stage.weight, [&]<Weight w>() {
+            wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff, random_weight = stage.random_weight,
+                                     drag = drag.data()](std::size_t k) {
                 // [euler coefficients]
                 double const x = r[k] * per_cutoff;
                 double const w_d = x < 1.0 ? weight_at<w>(x) : 0.0;
-                double const w_r = matched ? std::sqrt(w_d) : weight_at(random_weight, x);
+                double const w_r = random_weight ? weight_at(*random_weight, x) : std::sqrt(w_d);
                 drag[k] = friction * w_d;
                 xi[k] *= noise * w_r;
                 // [euler coefficients]
@@ -217,63 +217,64 @@ void EulerImpulses<d>::operator()(Simulation<d>& simulation, NoiseKey key) const
 }
 
 template <int d>
-void Kick<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
+void apply(Kick const&, Simulation<d>& simulation, NoiseKey) {
     auto& particles = simulation.particles;
     particles.velocity += simulation.momentum_change / particles.mass;
 }
 
-template <int d, class Potential>
-void ForceImpulses<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const {
-    simulation.momentum_change += simulation.time_step * forces(simulation, potential);
-    simulation.stage_stress.potential = -simulation.pair_virials.potential / simulation.box.volume();
-}
-
-template <int d, class Potential>
-void HalfKick<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const {
-    double const kick = 0.5 * simulation.time_step / simulation.particles.mass;
-    simulation.particles.velocity += kick * forces(simulation, potential);
+template <int d>
+void apply(ForceImpulses const& stage, Simulation<d>& simulation, NoiseKey) {
+    simulation.momentum_change += simulation.time_step * forces(simulation, stage.potential);
     simulation.stage_stress.potential = -simulation.pair_virials.potential / simulation.box.volume();
 }
 
 template <int d>
-void HalfDrift<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
+void apply(HalfKick const& stage, Simulation<d>& simulation, NoiseKey) {
+    double const kick = 0.5 * simulation.time_step / simulation.particles.mass;
+    simulation.particles.velocity += kick * forces(simulation, stage.potential);
+    simulation.stage_stress.potential = -simulation.pair_virials.potential / simulation.box.volume();
+}
+
+template <int d>
+void apply(HalfDrift const&, Simulation<d>& simulation, NoiseKey) {
     double const half = 0.5 * simulation.time_step;
     stream(simulation, half, std::round(simulation.time / half + 1.0) * half);
 }
 
-template <int d, class Potential>
-void Verlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey) const {
+template <int d>
+void apply(Verlet const& stage, Simulation<d>& simulation, NoiseKey) {
     auto& particles = simulation.particles;
     auto const& box = simulation.box;
     auto& stress = simulation.stage_stress;
-    double const span = simulation.time_step / double(substeps);
+    double const span = simulation.time_step / double(stage.substeps);
     double const kick = 0.5 * span / particles.mass;
     stress.kinetic = stress.potential = 0.0;
     // [substeps]
-    for (std::uint64_t s = 0; s < substeps; ++s) {
-        particles.velocity += kick * forces(simulation, potential);
+    for (std::uint64_t s = 0; s < stage.substeps; ++s) {
+        particles.velocity += kick * forces(simulation, stage.potential);
         if (stress.wanted) {
             stress.potential += 0.5 * simulation.pair_virials.potential;
             stress.kinetic += kinetic_stress(particles, box, span);
         }
         stream(simulation, span,
-               (double(simulation.step) + double(s + 1) / double(substeps)) * simulation.time_step);
-        particles.velocity += kick * forces(simulation, potential);
+               (double(simulation.step) + double(s + 1) / double(stage.substeps)) * simulation.time_step);
+        particles.velocity += kick * forces(simulation, stage.potential);
         if (stress.wanted) stress.potential += 0.5 * simulation.pair_virials.potential;
     }
-    stress.kinetic /= double(substeps);
-    stress.potential /= -double(substeps) * box.volume();
+    stress.kinetic /= double(stage.substeps);
+    stress.potential /= -double(stage.substeps) * box.volume();
     // [substeps]
     stress.streamed = true;
 }
 
 // Conservative, dissipative and random force of all pairs, from the present positions and velocities.
 template <int d, class Potential>
-void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseKey key) const {
+void find_forces(ModifiedVerlet const& stage, Potential const& potential, Simulation<d>& simulation,
+                 NoiseKey key) {
     auto& pairs = simulation.pairs();
     PairView<d> const view(pairs);
     auto& particles = simulation.particles;
-    double const strength = sigma / std::sqrt(simulation.time_step);
+    double const strength = stage.sigma / std::sqrt(simulation.time_step);
     simulation.force.setZero(particles.size(), d);
     double const* const v = particles.velocity.data();
     double* const force = simulation.force.data();
@@ -284,8 +285,8 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
         double* const xi = view.impulse + block.begin;
-        with_value(weight, [&]<Weight w>() {
-            wide_loop(block.size(), [=, gamma = gamma, per_cutoff = 1.0 / cutoff, potential = potential,
+        with_value(stage.weight, [&]<Weight w>() {
+            wide_loop(block.size(), [=, gamma = stage.gamma, per_cutoff = 1.0 / stage.cutoff,
                                      conservative = conservative.data(), drag = drag.data()](std::size_t k) {
                 // [modified verlet force]
                 double const x = r[k] * per_cutoff;
@@ -321,7 +322,7 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
             virials.friction += sum_of_arms(view, block, drag.data());
             virials.thermostat += sum_of_arms(view, block, xi);
         }
-        if (friction_again) std::copy_n(drag.data(), block.size(), xi);  // to be replaced
+        if (stage.friction_again) std::copy_n(drag.data(), block.size(), xi);  // to be replaced
     });
     if (walls) forget_wall_forces(simulation, simulation.force);
     simulation.counters.potential_evaluations += pairs.count;
@@ -330,8 +331,8 @@ void ModifiedVerlet<d, Potential>::find_forces(Simulation<d>& simulation, NoiseK
 }
 
 // Puts the friction of the present velocities in the place of that which find_forces left.
-template <int d, class Potential>
-void ModifiedVerlet<d, Potential>::find_friction_again(Simulation<d>& simulation) const {
+template <int d>
+void find_friction_again(ModifiedVerlet const& stage, Simulation<d>& simulation) {
     auto& pairs = simulation.pairs();
     PairView<d> const view(pairs);
     auto const& particles = simulation.particles;
@@ -340,9 +341,9 @@ void ModifiedVerlet<d, Potential>::find_friction_again(Simulation<d>& simulation
     double added = 0.0;
     std::array<double, block_size> change;
     for_each_block(pairs, [&](PairBlock block) {
-        with_value(weight, [&]<Weight w>() {
-            auto const again = [=, gamma = gamma, cutoff = cutoff, change = change.data()](std::size_t k,
-                                                                                           auto image_speed) {
+        with_value(stage.weight, [&]<Weight w>() {
+            auto const again = [=, gamma = stage.gamma, cutoff = stage.cutoff, change = change.data()](
+                                   std::size_t k, auto image_speed) {
                 double const x = view.distance[k] / cutoff;
                 auto const [i, j, e] = PairRows<d>(view, k);
                 double const friction =
@@ -365,16 +366,20 @@ void ModifiedVerlet<d, Potential>::find_friction_again(Simulation<d>& simulation
     simulation.counters.pair_updates += pairs.count;
 }
 
-template <int d, class Potential>
-void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKey key) const {
+template <int d>
+void apply(ModifiedVerlet const& stage, Simulation<d>& simulation, NoiseKey key) {
     auto& particles = simulation.particles;
     auto& stress = simulation.stage_stress;
     double const dt = simulation.time_step;
-    double const kick = 0.5 * dt / particles.mass, prediction = (lambda - 0.5) * dt;
+    double const kick = 0.5 * dt / particles.mass, prediction = (stage.lambda - 0.5) * dt;
+    auto const find = [&](NoiseKey with) {
+        std::visit([&](auto const& potential) { find_forces(stage, potential, simulation, with); },
+                   stage.potential);
+    };
     if (!simulation.forces_valid()) {  // at the start
         NoiseKey first = key;
         first.sweep = 1;
-        find_forces(simulation, first);
+        find(first);
     }
     auto const before = simulation.pair_virials;
     // [modified verlet]
@@ -386,59 +391,45 @@ void ModifiedVerlet<d, Potential>::operator()(Simulation<d>& simulation, NoiseKe
         particles.velocity += prediction / particles.mass * simulation.force;
         simulation.momentum_change = -prediction * simulation.force;
     }
-    find_forces(simulation, key);
+    find(key);
     if (prediction != 0.0) particles.velocity += simulation.momentum_change / particles.mass;
     particles.velocity += kick * simulation.force;
     // [modified verlet]
     stress.take_mean_of(before, simulation.pair_virials, simulation.box.volume());
     stress.streamed = true;
-    if (friction_again) find_friction_again(simulation);
+    if (stage.friction_again) find_friction_again(stage, simulation);
 }
 
 // [body force]
 template <int d>
-void BodyForce<d>::operator()(Simulation<d>& simulation, NoiseKey) const {
+void apply(BodyForce const& stage, Simulation<d>& simulation, NoiseKey) {
     auto& particles = simulation.particles;
-    double const kick = acceleration * simulation.time_step, middle = 0.5 * simulation.box.length[1];
+    double const kick = stage.acceleration * simulation.time_step, middle = 0.5 * simulation.box.length[1];
     for (Eigen::Index p = 0; p < particles.size(); ++p)
         if (!particles.frozen(p))
-            particles.velocity(p, 0) += opposed && particles.position(p, 1) >= middle ? -kick : kick;
+            particles.velocity(p, 0) += stage.opposed && particles.position(p, 1) >= middle ? -kick : kick;
 }
 // [body force]
 
-template struct Drift<2>;
-template struct Drift<3>;
-template struct Scatter<2>;
-template struct Scatter<3>;
-template struct Shardlow<2>;
-template struct Shardlow<3>;
-template struct Lowe<2>;
-template struct Lowe<3>;
-template struct EulerImpulses<2>;
-template struct EulerImpulses<3>;
-template struct Kick<2>;
-template struct Kick<3>;
-template struct HalfDrift<2>;
-template struct HalfDrift<3>;
-template struct ForceImpulses<2, Soft>;
-template struct ForceImpulses<3, Soft>;
-template struct ForceImpulses<2, LennardJones>;
-template struct ForceImpulses<3, LennardJones>;
-template struct HalfKick<2, Soft>;
-template struct HalfKick<3, Soft>;
-template struct HalfKick<2, LennardJones>;
-template struct HalfKick<3, LennardJones>;
-template struct Verlet<2, Soft>;
-template struct Verlet<3, Soft>;
-template struct Verlet<2, LennardJones>;
-template struct Verlet<3, LennardJones>;
-template struct ModifiedVerlet<2, Soft>;
-template struct ModifiedVerlet<3, Soft>;
-template struct ModifiedVerlet<2, LennardJones>;
-template struct ModifiedVerlet<3, LennardJones>;
-// [body force instances]
-template struct BodyForce<2>;
-template struct BodyForce<3>;
-// [body force instances]
+template <int d>
+void apply(Sample const&, Simulation<d>& simulation, NoiseKey) {
+    if (simulation.sample) simulation.sample(simulation);
+}
+
+}  // namespace
+
+template <int d>
+Stage<d>::Stage(AnyStage const& stage)
+    : name(kind_of(stage).name),
+      act(std::visit(
+          [](auto const& parameters) -> Act {
+              return [parameters](Simulation<d>& simulation, NoiseKey key) {
+                  apply(parameters, simulation, key);
+              };
+          },
+          stage)) {}
+
+template struct Stage<2>;
+template struct Stage<3>;
 
 }  // namespace dpd

@@ -19,7 +19,8 @@ namespace {
 double cost_of(Scene const& scene) {
     double const ball = scene.dimension == 2 ? std::numbers::pi : 4.0 * std::numbers::pi / 3.0;
     double const pairs = 0.5 * scene.density() * ball * std::pow(scene.cutoff(), scene.dimension);
-    double const substeps = scene.has_stage("verlet") ? double(scene.substeps) : 1.0;
+    auto const* const verlet = scene.stage<Verlet>();
+    double const substeps = verlet ? double(verlet->substeps) : 1.0;
     return double(scene.steps()) * substeps * double(scene.particles) * (4.0 + pairs);
 }
 

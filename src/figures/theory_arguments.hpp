@@ -2,7 +2,6 @@
 /// Closed forms for the parameters of a scene.
 #pragma once
 
-#include <map>
 #include <string>
 
 #include "scene.hpp"
@@ -10,10 +9,10 @@
 namespace dpd {
 
 /// The closed forms' parameters, by the names of the command line, as a scene has them.
-std::map<std::string, std::string> theory_arguments(Scene const& scene);
+TheoryArguments theory_arguments(Scene const& scene);
 
 /// Value of a closed form, which takes from `arguments` what it depends on.
-double theory_value(std::string const& id, std::map<std::string, std::string> const& arguments);
+double theory_value(std::string const& id, TheoryArguments const& arguments);
 
 /// Value of a closed form for the parameters of a scene.
 double theory_for(Scene const& scene, std::string const& id);

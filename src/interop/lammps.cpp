@@ -21,36 +21,31 @@ namespace {
     throw InputError(fmt::format("export lammps: {}: {}; allowed: {}", what, problem, allowed));
 }
 
-Soft const* soft_of(Scene const& scene) { return std::get_if<Soft>(&scene.potential); }
-
 // --- what LAMMPS can do ----------------------------------------------------------------------------------
 
 constexpr std::string_view step_lists =
     "[modified_verlet], [verlet], [shardlow, verlet] or [shardlow, drift], with sample at the end";
 
 void check_stages(Scene const& scene) {
-    static constexpr std::array<std::string_view, 5> known{"modified_verlet", "verlet", "shardlow", "drift",
-                                                           "sample"};
     using List = std::vector<std::string>;
     static std::array<List, 4> const steps{List{"modified_verlet"}, List{"verlet"},
                                            List{"shardlow", "verlet"}, List{"shardlow", "drift"}};
     List movers;
-    for (auto const& stage : scene.stages) {
-        if (std::find(known.begin(), known.end(), stage) == known.end())
-            refuse("stage " + stage, "LAMMPS has no such stage", step_lists);
-        if (stage != "sample") movers.push_back(stage);
+    for (AnyStage const& stage : scene.stages) {
+        std::string const name(kind_of(stage).name);
+        if (kind_of(stage).lammps.empty()) refuse("stage " + name, "LAMMPS has no such stage", step_lists);
+        if (!std::holds_alternative<Sample>(stage)) movers.push_back(name);
     }
     if (std::find(steps.begin(), steps.end(), movers) == steps.end())
         refuse("stages", "LAMMPS has no such step", step_lists);
     // a drift changes no velocity, so it does not matter where a gas is seen
-    if (scene.has_stage("sample") && scene.has_stage("verlet") && scene.has_stage("shardlow") &&
-        scene.stages.back() != "sample")
+    if (scene.stage<Sample>() && scene.stage<Verlet>() && scene.stage<Shardlow>() &&
+        !std::holds_alternative<Sample>(scene.stages.back()))
         refuse("stages", "sample is before verlet, but LAMMPS measures at the end of a step",
                "sample at the end");
 }
 
-void check_modified_verlet(Scene const& scene) {
-    auto const& p = scene.modified_verlet;
+void check_modified_verlet(Scene const& scene, ModifiedVerlet const& p) {
     if (p.lambda != 0.5)
         refuse("modified_verlet.lambda", fmt::format("{} is not the velocity-Verlet of LAMMPS", p.lambda),
                "0.5");
@@ -62,7 +57,7 @@ void check_modified_verlet(Scene const& scene) {
     if (!exponent(p.weight))
         refuse("modified_verlet.weight", "parabolic is no power of 1 - r/cutoff",
                "constant, root, linear, quadratic");
-    auto const* const soft = soft_of(scene);
+    auto const* const soft = scene.soft();
     if (soft && soft->cutoff != p.cutoff)
         refuse("modified_verlet.soft.cutoff", fmt::format("{} is not that of the friction", soft->cutoff),
                fmt::format("{}", p.cutoff));
@@ -72,8 +67,7 @@ void check_modified_verlet(Scene const& scene) {
 constexpr double skin_in_cutoffs = 0.3;
 double skin(Scene const& scene) { return skin_in_cutoffs * scene.cutoff(); }
 
-void check_shardlow(Scene const& scene) {
-    auto const& p = scene.shardlow;
+void check_shardlow(Scene const& scene, Shardlow const& p) {
     if (p.scheme != Scheme::shardlow)
         refuse("shardlow.scheme", fmt::format("fix shardlow does not know {}", name_of(p.scheme)),
                "shardlow");
@@ -81,7 +75,7 @@ void check_shardlow(Scene const& scene) {
         refuse("shardlow.weight", "fix shardlow has (1 - r/cutoff)^2 only", "quadratic");
     if (p.kT == 0.0) refuse("shardlow.kT", "fix shardlow divides by it", "a number > 0");
     if (scene.shear_rate != 0.0) refuse("box.shear_rate", "fix shardlow refuses a sheared box", "0");
-    if (scene.sample.stress)
+    if (scene.sample.asks("stress"))
         refuse("sample.observables", "LAMMPS does not keep the stress of fix shardlow's impulses",
                "kinetic_temperature, potential_energy, pressure");
     if (scene.order != Order::cell) refuse("pairs.order", "fix shardlow has an order of its own", "cell");
@@ -89,8 +83,8 @@ void check_shardlow(Scene const& scene) {
         if (double const least = 2.0 * (scene.cutoff() + skin(scene)); side <= least)
             refuse("box.length", fmt::format("{} is too small for fix shardlow", side),
                    fmt::format("more than {:g}", least));
-    if (!scene.has_stage("verlet")) return;
-    auto const* const soft = soft_of(scene);
+    if (!scene.stage<Verlet>()) return;
+    auto const* const soft = scene.soft();
     if (!soft) refuse("verlet.lennard_jones", "pair dpd/fdt has a soft potential", "verlet.soft");
     if (soft->cutoff != p.cutoff)
         refuse("verlet.soft.cutoff", fmt::format("{} is not that of the friction", soft->cutoff),
@@ -100,10 +94,10 @@ void check_shardlow(Scene const& scene) {
 void check(Scene const& scene) {
     check_stages(scene);
     if (scene.wall > 0.0) refuse("walls", "LAMMPS has no such bounce-back", "no walls");
-    if (scene.has_stage("modified_verlet")) check_modified_verlet(scene);
-    if (scene.has_stage("verlet") && scene.substeps != 1)
+    if (auto const* const modified = scene.stage<ModifiedVerlet>()) check_modified_verlet(scene, *modified);
+    if (auto const* const verlet = scene.stage<Verlet>(); verlet && verlet->substeps != 1)
         refuse("verlet.substeps", "LAMMPS has one step for all forces", "1");
-    if (scene.has_stage("shardlow")) check_shardlow(scene);
+    if (auto const* const s1 = scene.stage<Shardlow>()) check_shardlow(scene, *s1);
 }
 
 // --- the deck --------------------------------------------------------------------------------------------
@@ -119,16 +113,14 @@ double force_amplitude(Soft const& soft) { return soft.strength / soft.cutoff; }
 
 std::string pair_lines(Scene const& scene) {
     auto const seed = lammps_seed(scene);
-    auto const* const soft = soft_of(scene);
-    auto const* const lj = std::get_if<LennardJones>(&scene.potential);
-    if (scene.has_stage("shardlow")) {
-        auto const& p = scene.shardlow;
-        return fmt::format("pair_style dpd/fdt {} {} {}\npair_coeff 1 1 {} {} {}\n", p.kT, p.cutoff, seed,
-                           scene.has_stage("verlet") ? force_amplitude(*soft) : 0.0,
-                           std::sqrt(2.0 * p.friction * p.kT), p.cutoff);
-    }
+    auto const* const soft = scene.soft();
+    auto const* const lj = scene.potential() ? std::get_if<LennardJones>(scene.potential()) : nullptr;
+    if (auto const* const s1 = scene.stage<Shardlow>())
+        return fmt::format("pair_style dpd/fdt {} {} {}\npair_coeff 1 1 {} {} {}\n", s1->kT, s1->cutoff, seed,
+                           scene.stage<Verlet>() ? force_amplitude(*soft) : 0.0,
+                           std::sqrt(2.0 * s1->friction * s1->kT), s1->cutoff);
     std::string const shift = lj && lj->shifted ? "pair_modify shift yes\n" : "";
-    if (scene.has_stage("verlet")) {
+    if (scene.stage<Verlet>()) {
         if (soft)
             return fmt::format("pair_style dpd 0 {0} {1}\npair_coeff 1 1 {2} 0 {0}\n", soft->cutoff, seed,
                                force_amplitude(*soft));
@@ -136,8 +128,8 @@ std::string pair_lines(Scene const& scene) {
                            lj->sigma) +
                shift;
     }
-    auto const& p = scene.modified_verlet;
-    double const kT = p.gamma > 0.0 ? p.sigma * p.sigma / (2.0 * p.gamma) : 0.0;
+    auto const& p = *scene.stage<ModifiedVerlet>();
+    double const kT = p.temperature();
     bool const quadratic = p.weight == Weight::quadratic;
     // friction along the line of the pair, none across; w_R has half the power of w_D
     std::string const friction =
@@ -163,14 +155,14 @@ struct Column {
 // all forces. That of a soft potential follows from what `pair->single` gives, the conservative part: f r =
 // cutoff f - 2 U for each pair.
 std::string conservative_virial_lines(Scene const& scene) {
-    if (!scene.has_stage("modified_verlet")) return "compute virial all pressure NULL virial\n";
-    if (!soft_of(scene)) return "compute virial all pressure NULL pair/hybrid lj/cut\n";
+    if (!scene.stage<ModifiedVerlet>()) return "compute virial all pressure NULL virial\n";
+    if (!scene.soft()) return "compute virial all pressure NULL pair/hybrid lj/cut\n";
     return "compute force all pair/local force\ncompute forces all reduce sum c_force\n";
 }
 
 std::string conservative_virial_pressure(Scene const& scene) {
-    auto const* const soft = soft_of(scene);
-    if (!scene.has_stage("modified_verlet") || !soft) return "c_virial";
+    auto const* const soft = scene.soft();
+    if (!scene.stage<ModifiedVerlet>() || !soft) return "c_virial";
     return fmt::format("({}*c_forces-2*c_energy)/{}", soft->cutoff, scene.dimension * scene.volume());
 }
 
@@ -191,18 +183,19 @@ std::string scalar_lines(Scene const& scene) {
     double const n = double(scene.particles);
     std::string lines;
     std::vector<Column> columns;
-    if (sample.kinetic_temperature) columns.push_back({"kinetic_temperature", "c_temperature"});
-    if (sample.potential_energy) columns.push_back({"potential_energy", fmt::format("c_energy/{}", n)});
-    if (sample.pressure) {
+    if (sample.asks("kinetic_temperature")) columns.push_back({"kinetic_temperature", "c_temperature"});
+    if (sample.asks("potential_energy"))
+        columns.push_back({"potential_energy", fmt::format("c_energy/{}", n)});
+    if (sample.asks("pressure")) {
         lines += conservative_virial_lines(scene);
         columns.push_back({"pressure", fmt::format("{}*c_temperature/{}+{}", n - 1.0, scene.volume(),
                                                    conservative_virial_pressure(scene))});
-        if (scene.has_stage("modified_verlet")) {
+        if (scene.stage<ModifiedVerlet>()) {
             lines += "compute lammps_pressure all pressure temperature\n";
             columns.push_back({"lammps_pressure", "c_lammps_pressure"});
         }
     }
-    if (sample.stress) {
+    if (sample.asks("stress")) {
         lines += stress_lines(scene);
         std::string const kinetic = fmt::format("-{}*c_carried", scene.mass / scene.volume());
         columns.push_back({"stress_xy", kinetic + "-c_all_virial[4]"});
@@ -273,8 +266,8 @@ std::vector<std::string> not_measured(Scene const& scene) {
     auto const add = [&](bool wanted, char const* name) {
         if (wanted) names.emplace_back(name);
     };
-    add(s.momentum, "momentum");
-    add(s.configurational_temperature, "configurational_temperature");
+    add(s.asks("momentum"), "momentum");
+    add(s.asks("configurational_temperature"), "configurational_temperature");
     add(s.profile.has_value(), "profile");
     add(s.bond_order.has_value(), "bond_order");
     add(s.configuration, "configuration");
@@ -296,7 +289,7 @@ void write(std::filesystem::path const& file, std::string const& text) {
 }
 
 // The third side of a plane box means nothing, but the neighbour lists of fix shardlow need it.
-double half_height(Scene const& scene) { return scene.has_stage("shardlow") ? 2.0 * scene.cutoff() : 0.5; }
+double half_height(Scene const& scene) { return scene.stage<Shardlow>() ? 2.0 * scene.cutoff() : 0.5; }
 
 template <int d>
 std::string particle_data(Scene const& scene) {
@@ -314,13 +307,12 @@ std::string particle_data(Scene const& scene) {
         text += fmt::format("{} 0 0 xy xz yz\n",
                             std::remainder(simulation.box.image_speed() * scene.time_step, scene.length[0]));
     text += fmt::format("\nMasses\n\n1 {}\n\nAtoms # {}\n\n", scene.mass,
-                        scene.has_stage("shardlow") ? "dpd" : "atomic");
+                        scene.stage<Shardlow>() ? "dpd" : "atomic");
     auto const vector = [](auto const& row) {
         return d == 2 ? fmt::format("{} {} 0", row[0], row[1])
                       : fmt::format("{} {} {}", row[0], row[1], row[d - 1]);
     };
-    std::string_view const kind =
-        scene.has_stage("shardlow") ? "1 1" : "1";  // type, and an internal temperature
+    std::string_view const kind = scene.stage<Shardlow>() ? "1 1" : "1";  // type, and an internal temperature
     for (Eigen::Index p = 0; p < particles.size(); ++p)
         text += fmt::format("{} {} {}\n", particles.id[p] + 1, kind, vector(particles.position.row(p)));
     text += "\nVelocities\n\n";
@@ -344,8 +336,7 @@ std::string readme(Scene const& scene) {
         "docs/lammps.md.\n{}{}",
         version, scene.seed, scene.sample.mean_square_displacement ? " msd.dat" : "",
         scene.sample.radial_distribution ? " rdf.dat" : "",
-        scene.has_stage("shardlow") ? "s DPD-BASIC and DPD-REACT"
-                                    : " DPD-BASIC (not for Lennard-Jones alone)",
+        scene.stage<Shardlow>() ? "s DPD-BASIC and DPD-REACT" : " DPD-BASIC (not for Lennard-Jones alone)",
         missing.empty() ? "" : fmt::format("Not measured by the deck: {}.\n", fmt::join(missing, ", ")),
         scene.shear_rate == 0.0
             ? ""
@@ -360,14 +351,14 @@ std::string lammps_deck(Scene const& scene) {
     auto const& rdf = scene.sample.radial_distribution;
     std::string deck = fmt::format("# {} (dpdref {}, seed {})\n", one_line(scene.title), version, scene.seed);
     deck += fmt::format("units lj\ndimension {}\natom_style {}\n", scene.dimension,
-                        scene.has_stage("shardlow") ? "dpd" : "atomic");
+                        scene.stage<Shardlow>() ? "dpd" : "atomic");
     deck +=
         fmt::format("comm_modify vel yes{}\n",
                     rdf ? fmt::format(" cutoff {}", std::max(rdf->range, scene.cutoff()) + skin(scene)) : "");
     deck += "read_data particles.data\n" + pair_lines(scene);
     deck += fmt::format("neighbor {} bin\nneigh_modify delay 0 every 1 check yes\ntimestep {}\n", skin(scene),
                         scene.time_step);
-    if (scene.has_stage("shardlow")) deck += "fix friction_and_noise all shardlow\n";
+    if (scene.stage<Shardlow>()) deck += "fix friction_and_noise all shardlow\n";
     deck += "fix move all nve\n";
     if (scene.dimension == 2) deck += "fix plane all enforce2d\n";
     if (sheared) deck += fmt::format("fix shear all deform 1 xy erate {} remap v\n", scene.shear_rate);

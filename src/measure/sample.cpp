@@ -38,20 +38,11 @@ template <int d>
 Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulation)
     : parameters_(std::move(parameters)), time_step_(simulation.time_step) {
     auto& series = record_.series;
-    if (parameters_.kinetic_temperature) series["kinetic_temperature"];
-    if (parameters_.momentum) series["momentum"];
-    if (parameters_.stress) {
-        series["kinetic_stress"];
-        series["collision_stress"];
-        if (simulation.potential_sums) series["potential_stress"];
-        if (parameters_.friction_stress) series["friction_stress"];
-    }
-    if (parameters_.potential_energy) series["potential_energy"];
-    if (parameters_.pressure) series["pressure"];
-    if (parameters_.configurational_temperature) {
-        series["force_squared"];
-        series["laplacian"];
-    }
+    for_each_series([&](auto const& row) {
+        if (parameters_.observables.contains(row.observable) &&
+            (!row.needs_potential || simulation.potential_sums))
+            series[std::string(row.name)];
+    });
     auto const curve = [&](std::string const& name, std::size_t bins, double first, double spacing) {
         Curve& added = record_.curves[name];
         added.resize(bins);
@@ -98,14 +89,11 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
     std::uint64_t const step = simulation.step - parameters_.equilibration;
     auto& series = record_.series;
     if (step % parameters_.interval == 0) {
-        if (parameters_.kinetic_temperature)
-            series["kinetic_temperature"].push_back(
-                kinetic_temperature(simulation.particles, simulation.box));
-        if (parameters_.momentum)
-            series["momentum"].push_back(total_momentum(simulation.particles, simulation.box).norm());
-        if (parameters_.stress) sample_stress(simulation);
-        if (parameters_.potential_energy || parameters_.pressure || parameters_.configurational_temperature)
-            sample_potential(simulation);
+        Instant<d> now(simulation);
+        for_each_series([&](auto const& row) {
+            if (auto const found = series.find(row.name); found != series.end())
+                found->second.push_back(row.value(now));
+        });
     }
     Eigen::Index const block = block_of(simulation.step);
     if (parameters_.profile && step % parameters_.profile->interval == 0) sample_profile(simulation, block);
@@ -135,42 +123,6 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
             [&](auto& velocity) { velocity = simulation.particles.velocity; },
             [=](auto const& now, auto const& then) { return (now * then).rightCols(components).sum(); });
 }
-
-template <int d>
-void Recorder<d>::sample_stress(Simulation<d>& simulation) {
-    auto& series = record_.series;
-    auto const& stage = simulation.stage_stress;
-    auto const& particles = simulation.particles;
-    auto const& box = simulation.box;
-    // a stage that streams in substeps has measured what it did in the step before
-    series["kinetic_stress"].push_back(stage.streamed ? stage.kinetic
-                                                      : kinetic_stress(particles, box, simulation.time_step));
-    if (simulation.potential_sums) series["potential_stress"].push_back(stage.potential);
-    if (parameters_.friction_stress) series["friction_stress"].push_back(stage.rescaling + stage.friction);
-    series["collision_stress"].push_back(
-        stage.rescaling + stage.collision +
-        (simulation.pairs_of_step()
-             ? collision_stress(simulation.pairs(), particles.mass, box, simulation.time_step)
-             : 0.0));
-}
-
-// [pressure]
-template <int d>
-void Recorder<d>::sample_potential(Simulation<d>& simulation) {
-    auto& series = record_.series;
-    auto const n = double(simulation.particles.size());
-    auto const sums = simulation.potential_sums ? simulation.potential_sums(simulation) : PotentialSums{};
-    if (parameters_.potential_energy) series["potential_energy"].push_back(sums.energy / n);
-    if (parameters_.pressure)
-        series["pressure"].push_back(
-            ((n - 1.0) * kinetic_temperature(simulation.particles, simulation.box) + sums.virial / d) /
-            simulation.box.volume());
-    if (parameters_.configurational_temperature) {
-        series["force_squared"].push_back(sums.force_squared / n);
-        series["laplacian"].push_back(sums.laplacian / n);
-    }
-}
-// [pressure]
 
 template <int d>
 void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index block) {

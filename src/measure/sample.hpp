@@ -2,12 +2,15 @@
 /// Observables: what a scene asks to be measured, sampled between the thermostat and the drift.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "archive.hpp"
+#include "observables.hpp"
 #include "simulation.hpp"
 #include "stress.hpp"
 
@@ -42,17 +45,11 @@ struct BondOrderParameters {
 };
 
 struct SampleParameters {
-    std::uint64_t interval = 1;       ///< steps between samples of the scalars
-    std::uint64_t equilibration = 0;  ///< steps before the first sample
-    std::uint64_t steps = 0;          ///< last step
-    bool kinetic_temperature = false;
-    bool stress = false;
-    bool friction_stress = false;
-    bool momentum = false;
-    bool potential_energy = false;
-    bool pressure = false;
-    bool configurational_temperature = false;
-    bool configuration = false;           ///< the positions at the last sample
+    std::uint64_t interval = 1;                      ///< steps between samples of the scalars
+    std::uint64_t equilibration = 0;                 ///< steps before the first sample
+    std::uint64_t steps = 0;                         ///< last step
+    std::set<std::string, std::less<>> observables;  ///< names of the table, observables.hpp
+    bool configuration = false;                      ///< the positions at the last sample
     std::uint64_t green_kubo_window = 0;  ///< steps over which stress is summed for the viscosity; 0: none
     int components = 0;  ///< of displacements and velocities that tell of diffusion: the last so many axes
     std::optional<ProfileParameters> profile;
@@ -60,6 +57,8 @@ struct SampleParameters {
     std::optional<CorrelationParameters> mean_square_displacement;
     std::optional<CorrelationParameters> velocity_autocorrelation;
     std::optional<BondOrderParameters> bond_order;
+
+    bool asks(ObservableName observable) const { return observables.contains(observable.text); }
 };
 
 /// A function sampled in bins, kept in blocks of time for its error: mean = sum/weight.
@@ -75,7 +74,7 @@ struct Curve {
 
 /// What was measured so far: scalars by name, one value per sample, and curves by name.
 struct Record {
-    std::map<std::string, std::vector<double>> series;
+    std::map<std::string, std::vector<double>, std::less<>> series;
     std::map<std::string, Curve> curves;
     Eigen::ArrayXXd configuration;  ///< positions by id, in the box; empty unless asked for
     void archive(Archive& archive);
@@ -108,8 +107,6 @@ private:
         Field<d> value;
     };
 
-    void sample_stress(Simulation<d>&);
-    void sample_potential(Simulation<d>&);
     void sample_profile(Simulation<d> const&, Eigen::Index block);
     void sample_radial_distribution(Simulation<d> const&, Eigen::Index block);
     void sample_bond_order(Simulation<d> const&);

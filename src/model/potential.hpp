@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "state.hpp"
+#include "toml_reader.hpp"
 
 namespace dpd {
 
@@ -59,6 +60,34 @@ using AnyPotential = std::variant<Soft, LennardJones>;
 /// -dU/dr of a potential chosen at run time; 0 from its cutoff on.
 inline double force_at(AnyPotential const& potential, double r) {
     return std::visit([r](auto const& u) { return r < u.cutoff ? u.force(r) : 0.0; }, potential);
+}
+
+inline double cutoff_of(AnyPotential const& potential) {
+    return std::visit([](auto const& p) { return p.cutoff; }, potential);
+}
+
+/// Reads the potential of a stage, a table `soft` or `lennard_jones`. With `coarse_grained` the strength of
+/// the soft one and its cutoff, 1, follow from the scene, @eq{PK2006,3}.
+inline AnyPotential read_potential(TomlReader& stage, bool coarse_grained) {
+    if (stage.has("soft") == stage.has("lennard_jones"))
+        stage.fail("soft", "give either a table soft or a table lennard_jones");
+    if (auto table = stage.table("soft")) {
+        Soft soft;
+        soft.cutoff = table->number("cutoff", 1.0, positive);
+        if (coarse_grained && (table->has("strength") || soft.cutoff != 1.0))
+            table->fail("strength", "and cutoff follow from coarse_graining; allowed: one of them");
+        if (!coarse_grained) soft.strength = table->number("strength", std::nullopt, non_negative);
+        table->finish();
+        return soft;
+    }
+    auto table = stage.required_table("lennard_jones");
+    LennardJones lj;
+    lj.epsilon = table.number("epsilon", 1.0, positive);
+    lj.sigma = table.number("sigma", 1.0, positive);
+    lj.cutoff = table.number("cutoff", 2.5 * lj.sigma, positive);
+    lj.shifted = table.boolean("shifted", false);
+    table.finish();
+    return lj;
 }
 
 /// Factor on the conservative force of a pair: the walls' own particles do not interact.

@@ -48,7 +48,9 @@ inline double update_a(double a) {
 }
 
 /// A for a scheme chosen at run time.
-inline double update_a(Scheme scheme, double a) { return formula_of(scheme).update_a(a); }
+inline double update_a(Scheme scheme, double a) {
+    return with_value(scheme, [a]<Scheme s>() { return update_a<s>(a); });
+}
 
 /// B = sqrt(A(1-A)/m), which keeps kT at any step and mass. NG2007, below eq. 5; the B printed in eq. 5 lacks
 /// the factor 1/sqrt(m).

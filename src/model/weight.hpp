@@ -52,6 +52,8 @@ inline double weight_at(double x) {
 }
 
 /// w(x) for a weight chosen at run time; 0 for x >= 1.
-inline double weight_at(Weight weight, double x) { return x < 1.0 ? formula_of(weight).at(x) : 0.0; }
+inline double weight_at(Weight weight, double x) {
+    return x < 1.0 ? with_value(weight, [x]<Weight w>() { return weight_at<w>(x); }) : 0.0;
+}
 
 }  // namespace dpd

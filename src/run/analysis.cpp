@@ -11,19 +11,29 @@
 
 namespace dpd {
 
+namespace {
+
+double largest_of(std::vector<std::vector<double>> const& series) {
+    double largest = 0.0;
+    for (auto const& run : series)
+        for (double const value : run) largest = std::max(largest, value);
+    return largest;
+}
+
+}  // namespace
+
 std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& records) {
     std::vector<Quantity> quantities;
     auto const add = [&](std::string name, Estimate estimate) {
         if (estimate.blocks > 0) quantities.push_back({std::move(name), estimate});
     };
-    add("kinetic_temperature", combine(series_of(records, "kinetic_temperature")));
-    double largest_momentum = 0.0;
-    auto const momenta = series_of(records, "momentum");
-    for (auto const& momentum : momenta)
-        for (double const value : momentum) largest_momentum = std::max(largest_momentum, value);
-    if (!momenta.empty()) add("largest_momentum", {.value = largest_momentum, .error = 0.0, .blocks = 1});
-
-    for (char const* name : {"potential_energy", "pressure"}) add(name, combine(series_of(records, name)));
+    for_each_series([&](auto const& row) {
+        std::string const name(row.name);
+        auto const series = series_of(records, name);
+        if (row.analysis == Analysis::mean) add(name, combine(series));
+        if (row.analysis == Analysis::largest && !series.empty())
+            add("largest_" + name, {.value = largest_of(series), .error = 0.0, .blocks = 1});
+    });
     add("configurational_temperature",
         ratio_of(series_of(records, "force_squared"), series_of(records, "laplacian")));
 

@@ -23,10 +23,10 @@ struct ChannelBin {
 // box wide. None without a flow.
 std::vector<ChannelBin> channel_bins(Scene const& scene, Curve const& profile) {
     std::vector<ChannelBin> bins;
-    if (!scene.has_stage("body_force") || (scene.wall == 0.0 && !scene.body_force.opposed)) return bins;
+    if (!scene.stage<BodyForce>() || (scene.wall == 0.0 && !scene.opposed_flows())) return bins;
     double const width = scene.channel_width();
     for (std::size_t b = 0; b < profile.x.size(); ++b) {
-        bool const upper = scene.body_force.opposed && profile.x[b] >= width;
+        bool const upper = scene.opposed_flows() && profile.x[b] >= width;
         double const z = upper ? profile.x[b] - width : profile.x[b] - scene.wall;
         if (z > 0.0 && z < width) bins.push_back({Eigen::Index(b), z, upper ? -1.0 : 1.0});
     }
@@ -69,14 +69,15 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuan
     if (velocities.empty()) return;
     double const width = scene.channel_width(), n = scene.density();
     auto const bins = channel_bins(scene, *velocities.front());
-    if (bins.size() < 4 || scene.body_force.acceleration == 0.0) return;
+    auto const* const driven = scene.stage<BodyForce>();
+    if (bins.size() < 4 || !driven || driven->acceleration == 0.0) return;
     auto const size = static_cast<Eigen::Index>(bins.size());
     Eigen::VectorXd z(size);
     for (Eigen::Index k = 0; k < size; ++k) z[k] = bins[std::size_t(k)].z;
     Eigen::MatrixXd parabola(size, 2);
     parabola.col(0) = z.array() * (width - z.array());
     parabola.col(1).setOnes();
-    double const force = scene.mass * scene.body_force.acceleration;
+    double const force = scene.mass * driven->acceleration;
 
     // f(profile in the direction of the flow), for each block
     auto const over = [&](std::vector<Curve const*> const& curves, bool directed, auto&& f) {

@@ -74,7 +74,7 @@ void derive(Scene const& scene, std::vector<Quantity>& quantities) {
     });
     if (scene.coarse_graining->force > 0.0)
         add_function(quantities, "force_ratio", {value("viscosity")}, [&](auto const& x) {
-            return scene.mass * scene.body_force.acceleration /
+            return scene.mass * scene.stage<BodyForce>()->acceleration /
                    theory::force_in_dpd_units(map, x[0], scene.coarse_graining->force);
         });
 }

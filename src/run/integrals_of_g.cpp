@@ -17,19 +17,17 @@ void add_integrals_of_g(Scene const& scene, std::vector<Record> const& records, 
         });
     };
     theory::Gas gas{.d = scene.dimension, .n = scene.density(), .m = scene.mass, .kT = scene.thermostat_kT()};
-    if (scene.has_stage("shardlow") && scene.shardlow.friction > 0.0) {
-        gas.rc = scene.shardlow.cutoff;
-        theory::Shardlow const thermostat{.gamma = scene.shardlow.friction,
-                                          .weight = scene.shardlow.weight,
-                                          .scheme = scene.shardlow.scheme};
+    if (auto const* const s1 = scene.stage<Shardlow>(); s1 && s1->friction > 0.0) {
+        gas.rc = s1->cutoff;
+        theory::Shardlow const thermostat{.gamma = s1->friction, .weight = s1->weight, .scheme = s1->scheme};
         add("dpd_relaxation_rate",
             over_g([&](auto const& g) { return theory::relaxation_rate(gas, thermostat, g); }));
         add("collision_viscosity_by_g", over_g([&](auto const& g) {
                 return theory::collision_viscosity(gas, thermostat, scene.time_step, g);
             }));
     }
-    auto const* const repulsion = std::get_if<Soft>(&scene.potential);
-    if (scene.has_potential() && repulsion && repulsion->strength > 0.0 && gas.kT > 0.0) {
+    auto const* const repulsion = scene.soft();
+    if (repulsion && repulsion->strength > 0.0 && gas.kT > 0.0) {
         gas.rc = repulsion->cutoff;
         theory::Soft const soft{.a = repulsion->strength / gas.kT};
         double const a = repulsion->strength / repulsion->cutoff;

@@ -8,8 +8,6 @@
 #include "archive.hpp"
 #include "checkpoint.hpp"
 #include "forces.hpp"
-#include "rescale.hpp"
-#include "stages.hpp"
 
 namespace dpd {
 namespace {
@@ -17,85 +15,6 @@ namespace {
 // kT may exceed what the scene sets by this factor before the run counts as diverged; Euler runs just below
 // their critical step stay far below it.
 constexpr double divergence_factor = 1e6;
-
-template <int d>
-Stage<d> make_stage(Scene const& scene, std::string const& name,
-                    std::function<void(Simulation<d>&)> const& sample) {
-    if (name == "shardlow") {
-        auto const& p = scene.shardlow;
-        return {name, Shardlow<d>{.friction = p.friction,
-                                  .weight = p.weight,
-                                  .scheme = p.scheme,
-                                  .cutoff = p.cutoff,
-                                  .kT = p.kT}};
-    }
-    if (name == "lowe") {
-        auto const& p = scene.lowe;
-        return {name, Lowe<d>{.rate = p.rate, .cutoff = p.cutoff, .kT = p.kT}};
-    }
-    if (name == "rescale") {
-        auto const& p = scene.rescale;
-        Rescale<d> rescale;
-        rescale.mode = p.mode;
-        rescale.kT = p.kT;
-        rescale.cell = p.cell;
-        rescale.thickness = p.thickness;
-        rescale.amplitude = p.amplitude;
-        return {name, rescale};
-    }
-    // [body force]
-    if (name == "body_force") {
-        auto const& p = scene.body_force;
-        return {name, BodyForce<d>{.acceleration = p.acceleration, .opposed = p.opposed}};
-    }
-    // [body force]
-    if (name == "verlet")
-        return std::visit(
-            [&](auto const& potential) -> Stage<d> {
-                return {name, Verlet<d, std::decay_t<decltype(potential)>>{.potential = potential,
-                                                                           .substeps = scene.substeps}};
-            },
-            scene.potential);
-    if (name == "modified_verlet")
-        return std::visit(
-            [&](auto const& potential) -> Stage<d> {
-                auto const& p = scene.modified_verlet;
-                ModifiedVerlet<d, std::decay_t<decltype(potential)>> stage;
-                stage.potential = potential;
-                stage.gamma = p.gamma;
-                stage.sigma = p.sigma;
-                stage.weight = p.weight;
-                stage.cutoff = p.cutoff;
-                stage.lambda = p.lambda;
-                stage.friction_again = p.friction_again;
-                return {name, stage};
-            },
-            scene.potential);
-    if (name == "force" || name == "half_kick")
-        return std::visit(
-            [&](auto const& potential) -> Stage<d> {
-                using Potential = std::decay_t<decltype(potential)>;
-                if (name == "force") return {name, ForceImpulses<d, Potential>{.potential = potential}};
-                return {name, HalfKick<d, Potential>{.potential = potential}};
-            },
-            scene.potential);
-    if (name == "euler") {
-        auto const& p = scene.euler;
-        return {name, EulerImpulses<d>{.gamma = p.gamma,
-                                       .sigma = p.sigma,
-                                       .weight = p.weight,
-                                       .random_weight = p.random_weight.value_or(p.weight),
-                                       .matched = !p.random_weight,
-                                       .cutoff = p.cutoff}};
-    }
-    if (name == "kick") return {name, Kick<d>{}};
-    if (name == "drift") return {name, Drift<d>{}};
-    if (name == "half_drift") return {name, HalfDrift<d>{}};
-    if (name == "scatter") return {name, Scatter<d>{}};
-    return {name, [sample](Simulation<d>& simulation, NoiseKey) {
-                if (sample) sample(simulation);
-            }};
-}
 
 }  // namespace
 
@@ -108,8 +27,7 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.box.wall = scene.wall;
     simulation.particles.resize(static_cast<Eigen::Index>(scene.particles + scene.wall_particles));
     simulation.particles.mobile = static_cast<std::uint32_t>(scene.particles);
-    if (auto const* const soft = std::get_if<Soft>(&scene.potential);
-        scene.wall_strength && soft && soft->strength > 0.0)
+    if (auto const* const soft = scene.soft(); scene.wall_strength && soft && soft->strength > 0.0)
         simulation.wall_strength = *scene.wall_strength / soft->strength;
     randomize(simulation.particles, simulation.box, scene.kT, scene.seed, scene.start);
     simulation.seed = scene.seed;
@@ -117,18 +35,19 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
 
     simulation.hottest = divergence_factor * std::max(scene.kT, scene.thermostat_kT());
     simulation.pair_search.cutoff = scene.cutoff() > 0.0 ? scene.cutoff() : 1.0;
-    simulation.stage_stress.wanted = scene.sample.stress;
-    if (scene.has_potential())
+    simulation.stage_stress.wanted = scene.sample.asks("stress");
+    if (AnyPotential const* const known = scene.potential())
         std::visit(
             [&](auto const& potential) {
                 simulation.potential_sums = [potential](Simulation<d>& s) {
                     return potential_sums(s, potential);
                 };
             },
-            scene.potential);
+            *known);
     simulation.pair_search.search = scene.search;
     simulation.pair_search.order = scene.order;
-    for (auto const& name : scene.stages) simulation.stages.push_back(make_stage<d>(scene, name, sample));
+    simulation.sample = std::move(sample);
+    for (AnyStage const& stage : scene.stages) simulation.stages.emplace_back(stage);
     return simulation;
 }
 

@@ -6,9 +6,10 @@
 #include <boost/uuid/uuid_io.hpp>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <set>
 #include <sstream>
 
-#include "stages.hpp"
 #include "theory/closed_forms.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
@@ -89,23 +90,10 @@ void override_key(toml::table& table, std::string const& assignment, std::string
 
 namespace {
 
-// [stage names]
-constexpr std::array<std::string_view, 14> stage_names{
-    "shardlow",   "lowe",   "euler",           "force",   "kick",       "half_kick", "drift",
-    "half_drift", "verlet", "modified_verlet", "rescale", "body_force", "scatter",   "sample"};
-// [stage names]
-constexpr std::array<std::string_view, 7> observable_names{
-    "kinetic_temperature",        "momentum", "stress", "friction_stress", "potential_energy", "pressure",
-    "configurational_temperature"};
-
 constexpr Allowed bin_count{[](double x) { return x >= 1.0 && x <= 1e6; }, "an integer, 1 to 10^6"};
 
 std::uint64_t steps_of(double time, double step) {
     return static_cast<std::uint64_t>(std::llround(time / step));
-}
-
-Weight read_weight(TomlReader& reader, std::string const& key, std::string const& fallback = "linear") {
-    return reader.choice<Weight>(key, fallback);
 }
 
 void read_coarse_graining(Scene& scene, TomlReader reader) {
@@ -168,7 +156,7 @@ void read_particles(Scene& scene, TomlReader reader) {
     scene.particles = static_cast<std::uint64_t>(std::llround(count));
     scene.wall_particles =
         static_cast<std::uint64_t>(std::llround(scene.density() * (scene.volume() - scene.fluid_volume())));
-    scene.start = reader.choice<Start>("start", "random", start_names);
+    scene.start = reader.choice<Start>("start", "random");
     scene.mass = reader.number("mass", 1.0, positive);
     scene.kT = reader.number("kT", 1.0, non_negative);
     reader.finish();
@@ -186,154 +174,45 @@ void read_time(Scene& scene, TomlReader reader) {
     reader.finish();
 }
 
-Scheme read_scheme(TomlReader& reader, std::string const& key) {
-    return reader.choice<Scheme>(key, "shardlow");
-}
-
-void read_shardlow(Scene& scene, TomlReader& reader) {
-    auto& p = scene.shardlow;
-    p.friction = reader.number("friction", std::nullopt, non_negative);
-    p.cutoff = reader.number("cutoff", 1.0, positive);
-    p.kT = reader.number("kT", 1.0, non_negative);
-    p.weight = read_weight(reader, "weight");
-    p.scheme = read_scheme(reader, "scheme");
-    if (p.scheme == Scheme::linear && p.friction * scene.time_step > scene.mass)
-        reader.fail("friction", fmt::format("{} times the step is above the mass; allowed with scheme "
-                                            "\"linear\": at most {}",
-                                            p.friction, scene.mass / scene.time_step));
-}
-
-void read_lowe(Scene& scene, TomlReader& reader) {
-    auto& p = scene.lowe;
-    p.rate = reader.number("rate", std::nullopt, non_negative);
-    p.cutoff = reader.number("cutoff", 1.0, positive);
-    p.kT = reader.number("kT", 1.0, non_negative);
-    if (p.rate * scene.time_step > most_sweeps)
-        reader.fail("rate", fmt::format("{} is {:g} updates of a pair per step; allowed: at most {:g}",
-                                        p.rate, p.rate * scene.time_step, most_sweeps));
-}
-
-void read_euler(Scene& scene, TomlReader& reader) {
-    auto& p = scene.euler;
-    p.gamma = reader.number("gamma", std::nullopt, non_negative);
-    p.sigma = reader.number("sigma", std::nullopt, non_negative);
-    p.cutoff = reader.number("cutoff", 1.0, positive);
-    p.weight = read_weight(reader, "weight");
-    if (reader.has("random_weight")) p.random_weight = read_weight(reader, "random_weight");
-}
-
-void read_potential(Scene& scene, TomlReader& reader) {
-    if (reader.has("soft") == reader.has("lennard_jones"))
-        reader.fail("soft", "give either a table soft or a table lennard_jones");
-    if (auto table = reader.table("soft")) {
-        Soft soft;
-        soft.cutoff = table->number("cutoff", 1.0, positive);
-        if (scene.coarse_graining && (table->has("strength") || soft.cutoff != 1.0))
-            table->fail("strength", "and cutoff follow from coarse_graining; allowed: one of them");
-        // coarse_graining is known, the thermostat's kT perhaps not yet: set_coarse_graining
-        if (!scene.coarse_graining) soft.strength = table->number("strength", std::nullopt, non_negative);
-        table->finish();
-        scene.potential = soft;
-    }
-    if (auto table = reader.table("lennard_jones")) {
-        LennardJones lj;
-        lj.epsilon = table->number("epsilon", 1.0, positive);
-        lj.sigma = table->number("sigma", 1.0, positive);
-        lj.cutoff = table->number("cutoff", 2.5 * lj.sigma, positive);
-        lj.shifted = table->boolean("shifted", false);
-        table->finish();
-        scene.potential = lj;
-    }
-}
-
-void read_verlet(Scene& scene, TomlReader& reader) {
-    scene.substeps = reader.integer("substeps", 1, positive_integer);
-    read_potential(scene, reader);
-}
-
-void read_modified_verlet(Scene& scene, TomlReader& reader) {
-    auto& p = scene.modified_verlet;
-    p.gamma = reader.number("gamma", std::nullopt, non_negative);
-    p.sigma = reader.number("sigma", std::nullopt, non_negative);
-    p.cutoff = reader.number("cutoff", 1.0, positive);
-    p.weight = read_weight(reader, "weight", "quadratic");
-    p.lambda = reader.number("lambda", 0.5, non_negative);
-    p.friction_again = reader.boolean("friction_again", false);
-    read_potential(scene, reader);
-}
-
-void read_rescale(Scene& scene, TomlReader& reader) {
-    auto& p = scene.rescale;
-    p.mode = reader.choice<Rescaling>("mode", "global", rescaling_names);
-    p.kT = reader.number("kT", 1.0, positive);
-    p.cell = reader.number("cell", 1.0, positive);
-    p.thickness = reader.integer("thickness", 1, positive_integer);
-    p.amplitude = reader.number("amplitude", 0.3, positive);
-    for (double const side : scene.length) {
-        double const cells = side / p.cell;
-        if (std::abs(cells - std::round(cells)) > 1e-9 * cells || cells < 0.5 || cells > 1e6)
-            reader.fail("cell",
-                        fmt::format("{} does not divide the box side {}; allowed: a side over a whole "
-                                    "number",
-                                    p.cell, side));
-    }
-}
-
-// [body force]
-void read_body_force(Scene& scene, TomlReader& reader) {
-    bool const mapped = scene.coarse_graining && scene.coarse_graining->viscosity > 0.0;
-    if (mapped && reader.has("acceleration"))
-        reader.fail("acceleration", "follows from coarse_graining.force; allowed: one of them");
-    if (!mapped) scene.body_force.acceleration = reader.number("acceleration", std::nullopt, any_number);
-    scene.body_force.opposed = reader.boolean("opposed", false);
-}
-// [body force]
-
-// [stage tables]
-struct StageTable {
-    char const* stage;
-    char const* needs;
-    void (*read)(Scene&, TomlReader&);
-};
-
-// The stages that have parameters.
-constexpr std::array<StageTable, 9> stage_tables{
-    {{"modified_verlet", " with at least gamma, sigma and a potential", read_modified_verlet},
-     {"force", " with a potential", read_potential},
-     {"half_kick", " with a potential", read_potential},
-     {"shardlow", " with at least friction", read_shardlow},
-     {"lowe", " with at least rate", read_lowe},
-     {"euler", " with at least gamma and sigma", read_euler},
-     {"verlet", " with at least a potential", read_verlet},
-     {"rescale", "", read_rescale},
-     {"body_force", " with at least acceleration", read_body_force}}};
-// [stage tables]
-
+// Every kind of stage that the scene lists, from its table if it has parameters.
 void read_stage_parameters(Scene& scene, TomlReader& root) {
-    for (auto const& [stage, needs, read] : stage_tables) {
-        auto reader = root.table(stage);
-        if (reader && !scene.has_stage(stage))
-            root.fail(stage, fmt::format("is given, but \"{}\" is not among the stages", stage));
-        if (!reader && scene.has_stage(stage))
-            root.fail(stage, fmt::format("is missing; allowed: a table [{}]{}", stage, needs));
-        if (!reader) continue;
-        read(scene, *reader);
-        reader->finish();
+    StageSetting const setting = scene.stage_setting();
+    for (AnyStage stage : all_stages()) {
+        StageKind const& kind = kind_of(stage);
+        if (!kind.least) continue;
+        std::string const name(kind.name);
+        auto table = root.table(name);
+        if (table && !scene.has_stage(name))
+            root.fail(name, fmt::format("is given, but \"{}\" is not among the stages", name));
+        if (!table && scene.has_stage(name))
+            root.fail(name, fmt::format("is missing; allowed: a table [{}]{}{}", name,
+                                        *kind.least ? " with " : "", kind.least));
+        if (!table) continue;
+        std::visit([&](auto& s) { s.read(*table, setting); }, stage);
+        table->finish();
+        for (AnyStage& listed : scene.stages)
+            if (listed.index() == stage.index()) listed = stage;
     }
 }
 
 // What the paper's numbers mean in the units of the DPD fluid.
 void set_coarse_graining(Scene& scene, TomlReader const& root) {
     auto const& map = *scene.coarse_graining;
-    auto* const soft = std::get_if<Soft>(&scene.potential);
-    if (!scene.has_potential() || !soft) root.fail("coarse_graining", "is for a soft potential");
+    if (!scene.soft()) root.fail("coarse_graining", "is for a soft potential");
     double const kT = scene.thermostat_kT();
     if (kT == 0.0) root.fail("coarse_graining", "needs a thermostat with kT > 0");
     try {
-        soft->strength = theory::conservative_coefficient(map_of(scene), kT);
-        if (map.viscosity > 0.0)
-            scene.body_force.acceleration =
-                theory::force_in_dpd_units(map_of(scene), map.viscosity, map.force) / scene.mass;
+        double const strength = theory::conservative_coefficient(map_of(scene), kT);
+        double const acceleration =
+            map.viscosity > 0.0
+                ? theory::force_in_dpd_units(map_of(scene), map.viscosity, map.force) / scene.mass
+                : 0.0;
+        auto const set = [&](auto& stage) {
+            if constexpr (requires { stage.potential; }) std::get<Soft>(stage.potential).strength = strength;
+            if constexpr (requires { stage.acceleration; })
+                if (map.viscosity > 0.0) stage.acceleration = acceleration;
+        };
+        for (AnyStage& stage : scene.stages) std::visit(set, stage);
     } catch (std::exception const& error) {
         root.fail("coarse_graining", error.what());
     }
@@ -364,15 +243,14 @@ void check_range(Scene const& scene, TomlReader const& table, double range) {
 void read_sample(Scene& scene, TomlReader reader) {
     auto& sample = scene.sample;
     sample.interval = reader.integer("interval", 1, positive_integer);
-    for (auto const& name : reader.texts("observables", std::vector<std::string>{}, observable_names)) {
-        if (name == "kinetic_temperature") sample.kinetic_temperature = true;
-        if (name == "momentum") sample.momentum = true;
-        if (name == "stress") sample.stress = true;
-        if (name == "friction_stress") sample.stress = sample.friction_stress = true;
-        if (name == "potential_energy") sample.potential_energy = true;
-        if (name == "pressure") sample.pressure = true;
-        if (name == "configurational_temperature") sample.configurational_temperature = true;
-    }
+    std::vector<std::string_view> known;
+    for_each_series([&](auto const& series) {
+        if (std::find(known.begin(), known.end(), series.observable) == known.end())
+            known.push_back(series.observable);
+    });
+    for (auto const& name : reader.texts("observables", std::vector<std::string>{}, known))
+        sample.observables.insert(name);
+    if (sample.asks("friction_stress")) sample.observables.insert("stress");
     if (auto table = reader.table("profile")) {
         sample.profile = {.interval = table->integer("interval", 1, positive_integer),
                           .bins = table->integer("bins", 40, bin_count),
@@ -398,7 +276,7 @@ void read_sample(Scene& scene, TomlReader reader) {
         double const window = table->number("window", std::nullopt, positive);
         table->finish();
         sample.green_kubo_window = 2 * std::max<std::uint64_t>(1, steps_of(0.5 * window, scene.time_step));
-        if (!sample.stress || sample.interval != 1 || scene.flows() || scene.wall > 0.0)
+        if (!sample.asks("stress") || sample.interval != 1 || scene.flows() || scene.wall > 0.0)
             reader.fail("green_kubo",
                         "needs every step's stress of a fluid at rest; allowed: observables with \"stress\", "
                         "interval 1, no flow, no walls");
@@ -415,55 +293,68 @@ void read_sample(Scene& scene, TomlReader reader) {
 }
 
 void read_pairs(Scene& scene, TomlReader reader) {
-    static constexpr std::array<std::string_view, 2> searches{"cell", "brute"};
-    static constexpr std::array<std::string_view, 3> orders{"cell", "id", "random"};
-    scene.search = reader.choice<Search>("search", "cell", searches);
-    scene.order = reader.choice<Order>("order", "cell", orders);
+    scene.search = reader.choice<Search>("search", "cell");
+    scene.order = reader.choice<Order>("order", "cell");
     reader.finish();
 }
 
-constexpr std::array<std::string_view, 3> pair_thermostats{"shardlow", "lowe", "euler"};
-constexpr std::array<std::string_view, 4> potential_stages{"force", "half_kick", "verlet", "modified_verlet"};
+// The names of the stages that have a property, for messages.
+template <class Property>
+std::string names_of_stages(Property&& has, std::string_view before_last = ", ") {
+    std::vector<std::string_view> found;
+    for (AnyStage const& stage : all_stages())
+        if (has(stage)) found.push_back(kind_of(stage).name);
+    std::string_view const last = found.back();
+    found.pop_back();
+    return fmt::format("{}{}{}", fmt::join(found, ", "), found.empty() ? "" : before_last, last);
+}
 
-// Stages that hand something on need an order.
+bool leaves_impulses(AnyStage const& stage) { return kind_of(stage).impulses == Impulses::left; }
+bool knows_walls(AnyStage const& stage) { return kind_of(stage).walls == Walls::known; }
+
+template <class S>
+bool is(AnyStage const& stage) {
+    return std::holds_alternative<S>(stage);
+}
+
+// What a scene must not ask of all its stages together.
 void check_stages(Scene const& scene, TomlReader const& root) {
-    auto const is_pair_thermostat = [](std::string const& stage) {
-        return std::find(pair_thermostats.begin(), pair_thermostats.end(), stage) != pair_thermostats.end();
+    auto const number_of = [&](auto&& property) {
+        return std::count_if(scene.stages.begin(), scene.stages.end(), property);
     };
-    auto const count = std::count_if(scene.stages.begin(), scene.stages.end(), is_pair_thermostat);
-    bool const has_pair_thermostat = count > 0;
-    if (scene.sample.stress && count > 1)
+    auto const that_move = [&](Moves how) {
+        return number_of([how](AnyStage const& stage) { return kind_of(stage).moves == how; });
+    };
+    auto const thermostats = number_of(leaves_impulses), half_drifts = that_move(Moves::half),
+               half_kicks = number_of(is<HalfKick>);
+    if (scene.sample.asks("stress") && thermostats > 1)
         root.fail("stages", "have several pair thermostats; allowed with stress: one");
-    auto const number_of = [&](std::string_view stage) {
-        return std::count(scene.stages.begin(), scene.stages.end(), stage);
-    };
-    auto const half_drifts = number_of("half_drift"), half_kicks = number_of("half_kick");
-    auto const movers =
-        number_of("drift") + number_of("verlet") + number_of("modified_verlet") + half_drifts / 2;
-    if (scene.has_potential() && movers > 1)
+    if (scene.potential() && that_move(Moves::whole) + half_drifts / 2 > 1)
         root.fail("stages",
                   "move the particles twice; allowed: one of drift, verlet, modified_verlet and a "
                   "pair of half_drift");
     if (half_drifts % 2 != 0 || half_drifts > 2 || half_kicks % 2 != 0 || half_kicks > 2)
         root.fail("stages", "have an odd half_drift or half_kick; allowed: two of each, or none");
-    if (std::count_if(potential_stages.begin(), potential_stages.end(),
-                      [&](std::string_view stage) { return number_of(stage) > 0; }) > 1)
+    std::set<std::size_t> with_potential;
+    for (AnyStage const& stage : scene.stages)
+        if (potential_of(stage)) with_potential.insert(stage.index());
+    if (with_potential.size() > 1)
         root.fail("stages", fmt::format("have several that hold a potential; allowed: one of {}",
-                                        fmt::join(potential_stages, ", ")));
-    if (scene.has_potential() && scene.sample.stress && scene.equilibration_steps == 0)
+                                        names_of_stages(potential_of)));
+    if (scene.potential() && scene.sample.asks("stress") && scene.equilibration_steps == 0)
         root.fail("time", "has no equilibration; allowed with a potential and stress: at least one step");
-    if (scene.sample.friction_stress && !has_pair_thermostat && !scene.has_stage("modified_verlet"))
-        root.fail(
-            "stages",
-            "have no friction_stress to sample; allowed: with shardlow, lowe, euler or modified_verlet");
-    if (scene.wall_strength && !std::holds_alternative<Soft>(scene.potential))
+    if (scene.sample.asks("friction_stress") && thermostats == 0 && !scene.stage<ModifiedVerlet>())
+        root.fail("stages", fmt::format("have no friction_stress to sample; allowed: with {} or {}",
+                                        names_of_stages(leaves_impulses), ModifiedVerlet::kind.name));
+    if (scene.wall_strength && !scene.soft())
         root.fail("walls", "have a strength without a soft potential; allowed: no strength");
-    if (scene.wall > 0.0 && scene.body_force.opposed)
+    if (scene.wall > 0.0 && scene.opposed_flows())
         root.fail("body_force", "is opposed between walls; allowed: walls, or opposed flows without them");
     if (scene.wall > 0.0) {
-        if (!scene.has_stage("modified_verlet") || count > 0 || scene.has_stage("rescale"))
-            root.fail("stages", "do not know walls; allowed with walls: modified_verlet, body_force, sample");
-        if (scene.sample.stress || scene.sample.pressure || scene.sample.radial_distribution)
+        if (!scene.stage<ModifiedVerlet>() || number_of(std::not_fn(knows_walls)) > 0)
+            root.fail("stages",
+                      fmt::format("do not know walls; allowed with walls: {}", names_of_stages(knows_walls)));
+        if (scene.sample.asks("stress") || scene.sample.asks("pressure") || scene.sample.radial_distribution)
             root.fail("sample",
                       "asks for stress, pressure or radial_distribution, which mean nothing with walls");
         if (scene.wall < scene.cutoff())
@@ -471,29 +362,46 @@ void check_stages(Scene const& scene, TomlReader const& root) {
                                            "behind; allowed: thickness at least {0}",
                                            scene.cutoff()));
     }
+}
+
+// Stages that hand something on to each other need an order.
+void check_order(Scene const& scene, TomlReader const& root) {
+    bool const has_thermostat = std::any_of(scene.stages.begin(), scene.stages.end(), leaves_impulses);
     bool impulses_wait = false, impulses_at_positions = false, sampled = false, moved = false;
-    for (auto const& stage : scene.stages) {
-        if (stage == "euler") impulses_wait = true;
-        if (stage == "force" && (!impulses_wait || moved))
+    for (AnyStage const& stage : scene.stages) {
+        Moves const moves = kind_of(stage).moves;
+        if (is<EulerImpulses>(stage)) impulses_wait = true;
+        if (is<ForceImpulses>(stage) && (!impulses_wait || moved))
             root.fail("stages",
                       "has no euler before force, or moves between them; allowed: euler, then force");
-        if (scene.sample.stress && (stage == "half_drift" || (stage == "half_kick" && (sampled || moved))))
+        if (scene.sample.asks("stress") &&
+            (moves == Moves::half || (is<HalfKick>(stage) && (sampled || moved))))
             root.fail("stages",
                       "has no place where a whole step's stress is known; allowed with stress: half_kick, a "
                       "thermostat, half_kick, sample, drift");
-        sampled |= stage == "sample";
-        moved |= stage == "drift" || stage == "half_drift";
-        if (is_pair_thermostat(stage)) impulses_at_positions = true;
-        if (stage == "drift" || stage == "half_drift" || stage == "verlet" || stage == "modified_verlet" ||
-            stage == "scatter")
-            impulses_at_positions = false;
-        if (stage == "kick" && !impulses_wait) root.fail("stages", "has a kick but no euler before it");
-        if (stage == "sample" && scene.sample.stress && has_pair_thermostat && !impulses_at_positions)
-            root.fail(
-                "stages",
-                "samples the stress where no pair impulses are at hand; allowed: sample after shardlow, "
-                "lowe or euler and before drift or verlet");
+        sampled |= is<Sample>(stage);
+        moved |= moves == Moves::half || moves == Moves::whole;
+        if (leaves_impulses(stage)) impulses_at_positions = true;
+        if (moves != Moves::none) impulses_at_positions = false;
+        if (is<Kick>(stage) && !impulses_wait) root.fail("stages", "has a kick but no euler before it");
+        if (is<Sample>(stage) && scene.sample.asks("stress") && has_thermostat && !impulses_at_positions)
+            root.fail("stages", fmt::format("samples the stress where no pair impulses are at hand; allowed: "
+                                            "sample after {} and before {} or {}",
+                                            names_of_stages(leaves_impulses, " or "), Drift::kind.name,
+                                            Verlet::kind.name));
     }
+}
+
+// The stages in the order of a step, their parameters still to be read.
+void read_stage_list(Scene& scene, TomlReader& root) {
+    auto const kinds = all_stages();
+    std::vector<std::string_view> known;
+    for (AnyStage const& stage : kinds) known.push_back(kind_of(stage).name);
+    for (auto const& name : root.texts("stages", std::nullopt, known))
+        scene.stages.push_back(
+            kinds[std::size_t(std::find(known.begin(), known.end(), name) - known.begin())]);
+    if (scene.stages.empty())
+        root.fail("stages", fmt::format("is empty; allowed: {}", fmt::join(known, ", ")));
 }
 
 Scene read_scene(toml::table const& table, std::string const& name) {
@@ -503,9 +411,7 @@ Scene read_scene(toml::table const& table, std::string const& name) {
     scene.dimension = static_cast<int>(
         root.integer("dimension", std::nullopt, {[](double x) { return x == 2 || x == 3; }, "2 or 3"}));
     scene.seed = root.integer("seed", 1, non_negative_integer);
-    scene.stages = root.texts("stages", std::nullopt, stage_names);
-    if (scene.stages.empty())
-        root.fail("stages", fmt::format("is empty; allowed: {}", fmt::join(stage_names, ", ")));
+    read_stage_list(scene, root);
     if (auto reader = root.table("coarse_graining")) read_coarse_graining(scene, *reader);
     toml::table const no_table;
     bool const mapped = has_mapped_sides(scene);
@@ -535,6 +441,7 @@ Scene read_scene(toml::table const& table, std::string const& name) {
     }
     root.finish();
     check_stages(scene, root);
+    check_order(scene, root);
     if (scene.sample.mean_square_displacement || scene.sample.velocity_autocorrelation)
         if (diffusing_components(scene) == 0)
             root.fail("sample", "asks for displacements, but a plane channel has no direction left for them");
@@ -553,40 +460,55 @@ double Scene::volume() const {
     return product;
 }
 
-bool Scene::has_stage(std::string const& name) const {
-    return std::find(stages.begin(), stages.end(), name) != stages.end();
+bool Scene::has_stage(std::string_view name) const {
+    return std::any_of(stages.begin(), stages.end(),
+                       [name](AnyStage const& stage) { return kind_of(stage).name == name; });
 }
 
-bool Scene::has_potential() const {
-    return std::any_of(potential_stages.begin(), potential_stages.end(),
-                       [this](std::string_view stage) { return has_stage(std::string(stage)); });
+std::vector<std::string> Scene::stage_names() const {
+    std::vector<std::string> found;
+    for (AnyStage const& stage : stages) found.emplace_back(kind_of(stage).name);
+    return found;
+}
+
+StageSetting Scene::stage_setting() const {
+    return {.length = length,
+            .volume = volume(),
+            .particles = double(particles),
+            .mass = mass,
+            .time_step = time_step,
+            .coarse_grained = coarse_graining.has_value(),
+            .force_mapped = coarse_graining && coarse_graining->viscosity > 0.0};
+}
+
+AnyPotential const* Scene::potential() const {
+    for (AnyStage const& stage : stages)
+        if (AnyPotential const* const found = potential_of(stage)) return found;
+    return nullptr;
+}
+
+Soft const* Scene::soft() const { return potential() ? std::get_if<Soft>(potential()) : nullptr; }
+
+bool Scene::opposed_flows() const {
+    auto const* const force = stage<BodyForce>();
+    return force && force->opposed;
 }
 
 double Scene::fluid_volume() const { return volume() * (1.0 - 2.0 * wall / length[1]); }
 
-double Scene::channel_width() const { return body_force.opposed ? 0.5 * length[1] : length[1] - 2.0 * wall; }
+double Scene::channel_width() const { return opposed_flows() ? 0.5 * length[1] : length[1] - 2.0 * wall; }
 
 double Scene::cutoff() const {
     double longest = 0.0;
-    if (has_stage("shardlow")) longest = std::max(longest, shardlow.cutoff);
-    if (has_stage("lowe")) longest = std::max(longest, lowe.cutoff);
-    if (has_stage("euler")) longest = std::max(longest, euler.cutoff);
-    if (has_stage("modified_verlet")) longest = std::max(longest, modified_verlet.cutoff);
-    if (has_potential())
-        longest = std::max(longest, std::visit([](auto const& p) { return p.cutoff; }, potential));
+    for (AnyStage const& stage : stages)
+        longest = std::max(longest, std::visit([](auto const& s) { return s.range(); }, stage));
     return longest;
 }
 
 double Scene::thermostat_kT() const {
     double highest = 0.0;
-    if (has_stage("shardlow")) highest = std::max(highest, shardlow.kT);
-    if (has_stage("lowe")) highest = std::max(highest, lowe.kT);
-    if (has_stage("rescale")) highest = std::max(highest, rescale.kT);
-    if (has_stage("modified_verlet") && modified_verlet.gamma > 0.0)
-        highest =
-            std::max(highest, modified_verlet.sigma * modified_verlet.sigma / (2.0 * modified_verlet.gamma));
-    if (has_stage("euler") && euler.gamma > 0.0)
-        highest = std::max(highest, euler.sigma * euler.sigma / (2.0 * euler.gamma));
+    for (AnyStage const& stage : stages)
+        highest = std::max(highest, std::visit([](auto const& s) { return s.temperature(); }, stage));
     return highest;
 }
 

@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "pairs.hpp"
-#include "potential.hpp"
 #include "sample.hpp"
-#include "stage_parameters.hpp"
+#include "stages.hpp"
 
 namespace dpd {
 
@@ -29,7 +28,7 @@ struct Scene {
     std::string title;
     int dimension = 3;
     std::uint64_t seed = 1;
-    std::vector<std::string> stages;
+    std::vector<AnyStage> stages;  ///< with their parameters, in the order of a step
     std::vector<double> length;
     double shear_rate = 0.0;
     double wall = 0.0;                    ///< thickness of either wall; 0: none
@@ -38,15 +37,7 @@ struct Scene {
     std::uint64_t wall_particles = 0;
     double mass = 1.0;
     double kT = 1.0;  ///< of the initial velocities
-    ShardlowParameters shardlow;
-    EulerParameters euler;
-    LoweParameters lowe;
-    RescaleParameters rescale;
-    BodyForceParameters body_force;
     std::optional<CoarseGrainingParameters> coarse_graining;
-    std::uint64_t substeps = 1;  ///< of the stage "verlet"
-    ModifiedVerletParameters modified_verlet;
-    AnyPotential potential;  ///< of the stage that knows one
     Start start = Start::random;
     double time_step = 0.0;
     std::uint64_t equilibration_steps = 0;
@@ -67,9 +58,22 @@ struct Scene {
         const;  ///< of a Poiseuille flow: between the walls, or half a box of opposed flows
     double density() const { return double(particles) / fluid_volume(); }
     std::uint64_t steps() const { return equilibration_steps + production_steps; }
-    bool has_stage(std::string const& name) const;
-    bool flows() const { return shear_rate != 0.0 || has_stage("body_force"); }  ///< along x
-    bool has_potential() const;    ///< whether a stage knows a conservative force
+
+    /// The scene's stage of that kind, or none.
+    template <class S>
+    S const* stage() const {
+        for (auto const& candidate : stages)
+            if (auto const* const found = std::get_if<S>(&candidate)) return found;
+        return nullptr;
+    }
+    bool has_stage(std::string_view name) const;
+    std::vector<std::string> stage_names() const;
+    StageSetting stage_setting() const;
+    AnyPotential const* potential() const;  ///< the conservative force that a stage knows, or none
+    Soft const* soft() const;               ///< the same if it is a soft repulsion
+
+    bool flows() const { return shear_rate != 0.0 || stage<BodyForce>(); }  ///< along x
+    bool opposed_flows() const;                                             ///< two, without walls
     double cutoff() const;         ///< the longest of the scene's pair interactions; 0 without any
     double thermostat_kT() const;  ///< the highest that a thermostat of the scene is set to; 0 without any
 

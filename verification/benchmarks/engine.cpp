@@ -13,7 +13,6 @@
 
 #include "forces.hpp"
 #include "run.hpp"
-#include "stages.hpp"
 #include "wide.hpp"
 
 namespace {
@@ -34,11 +33,9 @@ Simulation<3> ideal_gas(Thermostat thermostat, double shear_rate) {
     simulation.seed = 1;
     randomize(simulation.particles, simulation.box, 1.0, simulation.seed);
     if (thermostat == Thermostat::shardlow)
-        simulation.stages = {{"shardlow", Shardlow<3>{.friction = 4.5}}, {"drift", Drift<3>{}}};
+        simulation.stages = {Shardlow{.friction = 4.5}, Drift{}};
     else
-        simulation.stages = {{"euler", EulerImpulses<3>{.gamma = 4.5, .sigma = 3.0}},
-                             {"kick", Kick<3>{}},
-                             {"drift", Drift<3>{}}};
+        simulation.stages = {EulerImpulses{.gamma = 4.5, .sigma = 3.0}, Kick{}, Drift{}};
     return simulation;
 }
 
@@ -51,8 +48,7 @@ Simulation<2> marsh_yeomans() {
     simulation.time_step = 0.1;
     simulation.seed = 1;
     randomize(simulation.particles, simulation.box, 0.5, simulation.seed);
-    simulation.stages = {
-        {"euler", EulerImpulses<2>{.cutoff = 4.0}}, {"kick", Kick<2>{}}, {"drift", Drift<2>{}}};
+    simulation.stages = {EulerImpulses{.cutoff = 4.0}, Kick{}, Drift{}};
     return simulation;
 }
 

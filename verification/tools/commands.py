@@ -8,14 +8,16 @@ they stand, what runs in their place, and why. Blocks of docs/*.md whose first l
 "# file: plot.gp" become the figure that the page's `dpdref figure ID` draws.
 
 usage: commands.py --build BUILD         all of this; BUILD holds the built program
-       commands.py --build BUILD --tutorial   docs/adding_a_stage.md: without its marked regions the program still
-                                         compiles and refuses the stage, and nothing else of the stage is left
+       commands.py --build BUILD --tutorial   docs/adding_a_stage.md: its pieces of code, put where it says into a copy
+                                         of the source, make a program that runs its commands; without one of them
+                                         the compiler complains
        commands.py --list                the commands, and what runs in their place
 
 One line per command; exit code 1 if one fails. Python's standard library only.
 """
 
 import argparse
+import json
 import os
 import pathlib
 import re
@@ -47,6 +49,8 @@ RULES = [
      f"{LONG}; shortened"),
     (r"(dpdref run .* --set time\.equilibration=500)", r"\1 --set time.equilibration=1 --set time.duration=5",
      f"{LONG}; shortened"),
+    (r"(dpdref run damping\.toml).*", r"\1 2>&1 | grep damping",
+     "a stage of the tutorial, which the test `tutorial` adds"),
     (r"(dpdref run channel\.toml)", r"\1 --set time.equilibration=1 --set time.duration=1", f"{LONG}; shortened"),
     # building: this test runs in a build. The copy is configured; its build is that of BUILD.
     (r"(cmake --preset \w+) -DDPDREF_BENCHMARKS=ON",
@@ -55,10 +59,10 @@ RULES = [
     (r"(cmake --build --preset \w+)", r"\1 --target help", f"{LONG}; lists the targets"),
     (r"(cmake --build build/release) --target docs", r"\1 --target help | grep -w docs",
      f"{LONG}; the target must exist"),
-    (r"(python3 verification/cost\.py \S+ --scaling)", r"\1 --only 'density 10' --repetitions 1",
+    (r"(python3 verification/tools/cost\.py \S+ --scaling)", r"\1 --only 'density 10' --repetitions 1",
      f"{LONG}; its shortest scene"),
-    (r"(python3 verification/race\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
-    (r"(python3 verification/cost\.py \S+)", r"\1 --only free --repetitions 1", f"{LONG}; its cheapest scenes"),
+    (r"(python3 verification/tools/race\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
+    (r"(python3 verification/tools/cost\.py \S+)", r"\1 --only free --repetitions 1", f"{LONG}; its cheapest scenes"),
     (r"(python3 verification/lammps/prove\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
     (r"(ctest --preset \w+)", r"\1 -N | grep 'Total Tests: [1-9]'", f"{LONG}; lists the tests"),
     (r"(ctest -R \S+)", r"\1 -N --test-dir build/release | grep 'Total Tests: [1-9]'",
@@ -263,79 +267,95 @@ def all_commands(root, configured):
 
 # --- the tutorial: docs/adding_a_stage.md
 
-STAGE = "body_force"
-MARKED = {"src/engine/stages.hpp": ["body force"], "src/engine/stages.cpp": ["body force", "body force instances"],
-          "src/scene/scene.cpp": ["body force"], "src/run/run.cpp": ["body force"]}
-# its entries in lists that the page shows as a whole
-LISTED = [("src/scene/scene.cpp", "stage names"), ("src/scene/scene.cpp", "stage tables")]
-PROJECT = """cmake_minimum_required(VERSION 3.25)
-project(without_stage LANGUAGES CXX)
-set(CMAKE_CXX_STANDARD 20)
-set(CMAKE_CXX_EXTENSIONS OFF)
-set(CMAKE_CXX_FLAGS "-O0")
-find_package(dpdref REQUIRED)
-add_executable(without_stage {cli} src/engine/stages.cpp src/run/run.cpp src/scene/scene.cpp)
-target_include_directories(without_stage BEFORE PRIVATE src/engine)
-target_link_libraries(without_stage PRIVATE dpdref::engine)
-"""
+TUTORIAL = pathlib.Path("docs", "adding_a_stage.md")
+PIECE = re.compile(r"^In `(\S+)`, (before|after) `([^`]+)`:\n\n```cpp\n(.*?)```$", re.M | re.S)
+MOST_PIECES, MOST_FILES = 5, 4
 
 
-def region(file, text, name):
-    parts = re.split(rf"^[ ]*// \[{name}\]\n", text, flags=re.M)
-    if len(parts) != 3 or not parts[1].strip():
-        sys.exit(f"{file}: not two lines '// [{name}]' with code between them")
-    return parts
+def pieces_of(page):
+    """(file, before or after, text that stands there, code) of the page's pieces"""
+    pieces = PIECE.findall(page)
+    files = {file for file, *_ in pieces}
+    if not pieces or len(pieces) > MOST_PIECES or len(files) > MOST_FILES:
+        sys.exit(f"{TUTORIAL}: {len(pieces)} pieces of code in {len(files)} files; allowed: at most {MOST_PIECES} in {MOST_FILES}")
+    return pieces
 
 
-def without_stage(root):
-    page = (root / "docs" / "adding_a_stage.md").read_text(encoding="utf-8")
-    for file, names in [*MARKED.items(), *((file, [name]) for file, name in LISTED)]:
-        for name in names:
-            if f"\\snippet {pathlib.Path(file).name} {name}\n" not in page:
-                sys.exit(f"docs/adding_a_stage.md does not show [{name}] of {file}")
-    for file, names in MARKED.items():
+def put(root, pieces):
+    for file, side, anchor, code in pieces:
         text = (root / file).read_text(encoding="utf-8")
-        for name in names:
-            before, _, after = region(file, text, name)
-            text = before + after
-        for listed in (name for f, name in LISTED if f == file):
-            before, middle, after = region(file, text, listed)
-            # an entry: "body_force" or {"body_force", ...}, with the comma next to it; the list is one shorter
-            entry = rf'(?:\{{"{STAGE}"[^{{}}]*\}}|"{STAGE}")'
-            middle, found = re.subn(rf"{entry},\s*|,\s*{entry}", "", middle)
-            if found != 1:
-                sys.exit(f"{file}: [{listed}] has {found} entries of {STAGE}")
-            middle = re.sub(r"(std::array<[\w:]+, )(\d+)>", lambda m: f"{m[1]}{int(m[2]) - 1}>", middle)
-            text = before + middle + after
-        (root / file).write_text(text, encoding="utf-8")
-        left = [line.strip() for line in text.splitlines()
-                if re.search(rf'\bBodyForce<|name == "{STAGE}"|read_{STAGE}', line)]
-        if left:
-            sys.exit(f"{file}: of the stage is left, outside of the marked regions: {left[0]}")
+        at = text.find(anchor)
+        if at < 0:
+            sys.exit(f"{TUTORIAL}: {file} has no '{anchor}'")
+        at = text.rfind("\n", 0, at) + 1 if side == "before" else at + len(anchor)
+        # a piece within a line ends where the line goes on
+        code = code.rstrip("\n") if side == "after" else code
+        (root / file).write_text(text[:at] + code + text[at:], encoding="utf-8")
+
+
+def does_not_compile(root, file, build):
+    """Whether the compiler rejects the file, with the flags of the build"""
+    flags = next(entry["command"] for entry in json.loads((root / build / "compile_commands.json").read_text())
+                 if entry["file"].endswith(file))
+    command = re.sub(r" -o \S+| -MF \S+| -MT \S+| -MD", "", flags).replace(" -c ", " -fsyntax-only ")
+    return subprocess.run(command, shell=True, cwd=root / build, capture_output=True, check=False).returncode != 0
+
+
+def forgotten_parts(root, pieces):
+    """What the compiler must notice: a part of the struct, or the action in either engine, left out"""
+    struct = pieces[0]
+    parts = [line for line in struct[3].splitlines() if re.match(r"    (static constexpr|void|double) .*(kind\{|\()", line)]
+    for part in parts:
+        lines = struct[3].splitlines(keepends=True)
+        first = next(k for k, line in enumerate(lines) if line.startswith(part))
+        last = next(k for k in range(first, len(lines)) if lines[k].rstrip().endswith(("};", "}")) or "}  //" in lines[k])
+        without = "".join(lines[:first] + lines[last + 1:])
+        yield part.split("(")[0].split("{")[0].split()[-1], [(*struct[:3], without), *pieces[1:]], "src/scene/scene.cpp"
+    for k, (file, *_) in enumerate(pieces):
+        if file.endswith("stages.cpp"):
+            yield "the action of the engine", pieces[:k] + pieces[k + 1:], file
+        if "/plain/" in file:
+            yield "the action of the plain engine", pieces[:k] + pieces[k + 1:], "src/run/plain_stages.cpp"
 
 
 def tutorial(root, build):
-    wrong, output = run("cmake --install build/release --prefix prefix", root)
-    if wrong:
-        sys.exit(f"cmake --install: {wrong}\n{output}")
-    without_stage(root)
-    cli = (sorted(build.glob("CMakeFiles/dpdref.dir/src/cli/*.cpp.o"))
-           or sorted((root / "src" / "cli").glob("*.cpp")))
-    (root / "CMakeLists.txt").write_text(PROJECT.format(cli=" ".join(map(str, cli))), encoding="utf-8")
-    scene = ("run verification/scenes/ideal_gas_shear.toml --set box.shear_rate=0 --set time.duration=2 "
-             "--set time.equilibration=1 --set body_force.acceleration=0.002 "
-             f"--set 'stages=[\"shardlow\",\"sample\",\"{STAGE}\",\"drift\"]'")
+    page = (root / TUTORIAL).read_text(encoding="utf-8")
+    pieces = pieces_of(page)
+    originals = {file: (root / file).read_text(encoding="utf-8") for file, *_ in pieces}
+    configure = ("cmake -G Ninja -S . -B taught -DDPDREF_TESTS=OFF -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O0 "
+                 "-DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_EXPORT_COMPILE_COMMANDS=ON")
     failures = 0
-    for command in ("cmake -G Ninja -S . -B stripped -DCMAKE_PREFIX_PATH=$PWD/prefix", "cmake --build stripped",
-                    "stripped/without_stage run verification/scenes/ideal_gas_shear.toml --set time.duration=2",
-                    f"stripped/without_stage {scene} >refused 2>&1; "
-                    f"[ $? -eq 2 ] && grep 'stages: .{STAGE}. is not allowed' refused",
-                    f"dpdref {scene}"):
+
+    def check(command):
+        nonlocal failures
         wrong, output = run(command, root, cpu_limit=10 * CPU_LIMIT)  # compiles
-        show("ok", command, "docs/adding_a_stage.md", wrong, output)
+        show("ok", command, TUTORIAL, wrong, output)
         failures += bool(wrong)
-        if wrong and command.startswith("cmake"):
-            break
+        return not wrong
+
+    if not check(configure):
+        return failures
+    for part, without, file in forgotten_parts(root, pieces):
+        put(root, without)
+        rejected = does_not_compile(root, file, "taught")
+        show("ok", f"without {part} {file} does not compile", TUTORIAL, None if rejected else "it compiles", "")
+        failures += not rejected
+        for changed, text in originals.items():
+            (root / changed).write_text(text, encoding="utf-8")
+    put(root, pieces)
+    if not check("cmake --build taught --target dpdref"):
+        return failures
+    (root / "damping.toml").write_text(scene_beside("damping.toml", page) + "\n", encoding="utf-8")
+    for _, command in ((kind, line) for kind, lines in blocks_of(page) if kind == "indented" for line in lines):
+        if command.startswith("dpdref run damping.toml"):
+            check("taught/" + command)
+    # the formula of the page, and one result for both engines
+    check("""taught/dpdref run damping.toml --json >damped && taught/dpdref run damping.toml --engine plain --json >plainly \\
+        && taught/dpdref run damping.toml --set damping.rate=0 --json >free && python3 -c '
+import json, math
+kT = [json.load(open(f))["kinetic_temperature"]["value"] for f in ("damped", "free", "plainly")]
+assert kT[0] == kT[2] and abs(kT[0] / kT[1] - math.exp(-0.1)) < 1e-12, kT
+print("kT", *kT)'""")
     return failures
 
 

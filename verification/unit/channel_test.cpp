@@ -116,7 +116,7 @@ Curve profile(Scene const& scene, std::size_t bins, F&& value) {
 template <class F>
 Curve flow(Scene const& scene, std::size_t bins, F&& u) {
     Curve curve = profile(scene, bins, [&](double y, Eigen::Index block) {
-        bool const upper = scene.body_force.opposed && y >= width;
+        bool const upper = scene.stage<BodyForce>()->opposed && y >= width;
         double const z = upper ? y - width : y - scene.wall;
         return z < 0.0 || z > width ? 0.0 : (upper ? -1.0 : 1.0) * u(z, block);
     });
@@ -211,7 +211,7 @@ BOOST_DATA_TEST_CASE(densities_across_a_channel, data::make({false, true}), betw
     record.curves["velocity_profile"] =
         flow(channel, bins, [](double z, Eigen::Index) { return parabola(1.0, z); });
     record.curves["density_profile"] = profile(channel, bins, [&](double y, Eigen::Index block) {
-        double const z = channel.body_force.opposed && y >= width ? y - width : y - channel.wall;
+        double const z = channel.stage<BodyForce>()->opposed && y >= width ? y - width : y - channel.wall;
         if (z < 0.0 || z > width) return between_walls && y < 1.0 ? 77.0 : 0.0;  // not fluid
         double const n = std::abs(z - 3.0) < 1.5 ? 2.7 : z < 0.25 ? 5.1 : 3.6;
         return scattered(n, 0.05, block);
@@ -262,7 +262,7 @@ BOOST_AUTO_TEST_CASE(profiles_against_navier_and_stokes) {
     double const eta = 2.117, rc = std::cbrt(5.0 * 3.0 / 0.8), L = 34.2 / rc, n = channel.density(),
                  unit = eta / 3.0 / (1.97 / 0.8) * rc * rc, force = 0.0085 * unit * unit / rc;
     BOOST_TEST(channel.channel_width() == L, tolerance(1e-14));
-    BOOST_TEST(channel.body_force.acceleration == force, tolerance(1e-13));
+    BOOST_TEST(channel.stage<BodyForce>()->acceleration == force, tolerance(1e-13));
     BOOST_TEST(n == 3.0, tolerance(2e-3));  // whole particles
     double const expected = n * force * L * L / (8.0 * eta);
     for (double const factor : {0.8, 1.1}) {
@@ -479,8 +479,9 @@ BOOST_DATA_TEST_CASE(what_follows_from_a_measured_viscosity, data::make({false, 
         auto weaker = mapped;
         weaker.push_back("coarse_graining.force=0.00085");
         weaker.push_back("particles.mass=2");
-        BOOST_TEST(scene(weaker).body_force.acceleration == fluid.body_force.acceleration / 20.0,
-                   tolerance(1e-12));
+        BOOST_TEST(
+            scene(weaker).stage<BodyForce>()->acceleration == fluid.stage<BodyForce>()->acceleration / 20.0,
+            tolerance(1e-12));
         std::vector<Quantity> other{{"viscosity", {.value = eta, .error = 0.0, .blocks = 2}}};
         derive(scene(weaker), other);
         BOOST_TEST(estimate_of(other, "force_ratio").value == std::pow(2.117 / eta, 2), tolerance(1e-12));

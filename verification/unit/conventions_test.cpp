@@ -355,17 +355,17 @@ BOOST_AUTO_TEST_CASE(fragments_are_scenes) {
             auto const scene = scene_of(c.code, c.parameters);
             BOOST_TEST(scene.mass == fluid.m);
             BOOST_CHECK_CLOSE_FRACTION(scene.cutoff(), fluid.rc, 1e-15);
-            if (scene.has_potential())
-                BOOST_CHECK_CLOSE_FRACTION(std::get<Soft>(scene.potential).force(0.3), c.repulsion(0.3),
+            if (scene.potential())
+                BOOST_CHECK_CLOSE_FRACTION(std::get<Soft>(*scene.potential()).force(0.3), c.repulsion(0.3),
                                            tolerance);
         }
     auto const lammps = scene_of("lammps-dpd", {{"T", "2"}, {"gamma", "4.5"}, {"A", "25"}});
     BOOST_TEST(lammps.has_stage("modified_verlet"));
-    BOOST_CHECK_CLOSE_FRACTION(lammps.modified_verlet.sigma, std::sqrt(18.0), 1e-15);
-    BOOST_TEST(lammps.modified_verlet.lambda == 0.5);
+    BOOST_CHECK_CLOSE_FRACTION(lammps.stage<ModifiedVerlet>()->sigma, std::sqrt(18.0), 1e-15);
+    BOOST_TEST(lammps.stage<ModifiedVerlet>()->lambda == 0.5);
     auto const ideal = scene_of("openmm", {{"temperature", "300"}, {"mass", "2"}, {"friction", "6.75"}});
-    BOOST_TEST(ideal.shardlow.friction == 13.5);
-    BOOST_TEST((ideal.shardlow.scheme == Scheme::exponential));
+    BOOST_TEST(ideal.stage<Shardlow>()->friction == 13.5);
+    BOOST_TEST((ideal.stage<Shardlow>()->scheme == Scheme::exponential));
     BOOST_TEST(ideal.has_stage("drift"));
     auto const openmm =
         scene_of("openmm", {{"temperature", "300"}, {"mass", "2"}, {"friction", "6.75"}, {"A", "25"}});

@@ -20,7 +20,6 @@
 #include "analysis.hpp"
 #include "run.hpp"
 #include "scene.hpp"
-#include "stages.hpp"
 #include "statistics.hpp"
 #include "theory/closed_forms.hpp"
 

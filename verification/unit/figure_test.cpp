@@ -197,7 +197,7 @@ BOOST_AUTO_TEST_CASE(a_definition_is_read_as_written) {
         BOOST_TEST(figure.points[p].runs.size() == 2u);
         BOOST_TEST(figure.points[p].runs[1].seed == 2u);
         BOOST_TEST(figure.points[p].runs[0].production_steps == 20u);  // half of the paper's
-        BOOST_TEST(figure.points[p].runs[0].shardlow.friction == (std::vector{1.0, 4.0, 7.0})[p]);
+        BOOST_TEST(figure.points[p].runs[0].stage<Shardlow>()->friction == (std::vector{1.0, 4.0, 7.0})[p]);
     }
     BOOST_TEST(load(definition, "paper").points[0].runs.size() == 3u);
     BOOST_TEST(load(definition, "paper").points[0].runs[0].production_steps == 40u);
@@ -221,11 +221,11 @@ BOOST_AUTO_TEST_CASE(of_the_keys_that_change_a_scene_the_last_one_counts) {
     for (std::size_t p : {0, 1}) {
         Scene const& run = figure.points[p].runs[0];
         BOOST_TEST(run.mass == 2.0);
-        BOOST_TEST(run.shardlow.kT == 1.5);
-        BOOST_TEST(run.shardlow.cutoff == (p == 0 ? 0.7 : 0.9));
-        BOOST_TEST(run.shardlow.friction == (p == 0 ? 1.0 : 9.0));
+        BOOST_TEST(run.stage<Shardlow>()->kT == 1.5);
+        BOOST_TEST(run.stage<Shardlow>()->cutoff == (p == 0 ? 0.7 : 0.9));
+        BOOST_TEST(run.stage<Shardlow>()->friction == (p == 0 ? 1.0 : 9.0));
     }
-    BOOST_TEST(figure.points[2].runs[0].shardlow.kT == 3.0);
+    BOOST_TEST(figure.points[2].runs[0].stage<Shardlow>()->kT == 3.0);
 }
 
 BOOST_AUTO_TEST_CASE(seeds_of_points_and_runs) {
@@ -1112,8 +1112,9 @@ BOOST_AUTO_TEST_SUITE_END()
 namespace {
 
 theory::Shardlow thermostat_of(Scene const& scene) {
-    return {
-        .gamma = scene.shardlow.friction, .weight = scene.shardlow.weight, .scheme = scene.shardlow.scheme};
+    return {.gamma = scene.stage<Shardlow>()->friction,
+            .weight = scene.stage<Shardlow>()->weight,
+            .scheme = scene.stage<Shardlow>()->scheme};
 }
 
 }  // namespace

@@ -458,9 +458,9 @@ BOOST_AUTO_TEST_CASE(averages_with_noise_agree) {
         for (char const* name : {"kinetic_temperature", "potential_energy", "pressure"}) {
             Estimate const lammps = blocking(theirs.at(name)), dpdref = find_quantity(ours, name)->estimate;
             double const z = z_of(lammps, dpdref);
-            BOOST_TEST_MESSAGE(scene.stages[0] << ' ' << name << ": LAMMPS " << lammps.value << " +- "
-                                               << lammps.error << ", dpdref " << dpdref.value << " +- "
-                                               << dpdref.error << ", z " << z);
+            BOOST_TEST_MESSAGE(kind_of(scene.stages[0]).name
+                               << ' ' << name << ": LAMMPS " << lammps.value << " +- " << lammps.error
+                               << ", dpdref " << dpdref.value << " +- " << dpdref.error << ", z " << z);
             BOOST_TEST(std::abs(z) <
                        critical_z(family_false_alarm / 6, std::min(lammps.blocks, dpdref.blocks)));
         }

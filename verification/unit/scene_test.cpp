@@ -162,20 +162,20 @@ BOOST_AUTO_TEST_CASE(a_good_scene_is_read_as_written) {
     BOOST_TEST(scene.title == "a scene");
     BOOST_TEST(scene.dimension == 3);
     BOOST_TEST(scene.seed == 5u);
-    BOOST_TEST(scene.stages == (std::vector<std::string>{"shardlow", "sample", "drift"}));
+    BOOST_TEST(scene.stage_names() == (std::vector<std::string>{"shardlow", "sample", "drift"}));
     BOOST_TEST(scene.length == (std::vector<double>{4.0, 5.0, 6.0}));
     BOOST_TEST(scene.volume() == 120.0);
     BOOST_TEST(scene.shear_rate == 0.1);
     BOOST_TEST(scene.particles == 360u);
     BOOST_TEST(scene.density() == 3.0);
     BOOST_TEST(scene.mass == 2.0);
-    BOOST_TEST(scene.shardlow.friction == 9.0);
-    BOOST_TEST((scene.shardlow.weight == Weight::linear));
+    BOOST_TEST(scene.stage<Shardlow>()->friction == 9.0);
+    BOOST_TEST((scene.stage<Shardlow>()->weight == Weight::linear));
     BOOST_TEST(scene.time_step == 0.1);
     BOOST_TEST(scene.production_steps == 100u);
-    BOOST_TEST(scene.sample.kinetic_temperature);
-    BOOST_TEST(scene.sample.stress);
-    BOOST_TEST(!scene.sample.momentum);
+    BOOST_TEST(scene.sample.asks("kinetic_temperature"));
+    BOOST_TEST(scene.sample.asks("stress"));
+    BOOST_TEST(!scene.sample.asks("momentum"));
     BOOST_TEST(scene.sample.steps == 100u);
     BOOST_TEST(scene.sample.radial_distribution->range == 2.0);
     BOOST_TEST(scene.sample.mean_square_displacement->lags == 20u);
@@ -200,9 +200,9 @@ BOOST_AUTO_TEST_CASE(defaults) {
     BOOST_TEST((scene.order == Order::cell));
     BOOST_TEST(scene.trajectory_interval == 0u);
     BOOST_TEST(scene.sample.interval == 1u);
-    BOOST_TEST(!scene.sample.kinetic_temperature);
-    BOOST_TEST(!scene.sample.momentum);
-    BOOST_TEST(!scene.sample.stress);
+    BOOST_TEST(!scene.sample.asks("kinetic_temperature"));
+    BOOST_TEST(!scene.sample.asks("momentum"));
+    BOOST_TEST(!scene.sample.asks("stress"));
     BOOST_TEST(!scene.sample.profile.has_value());
     BOOST_TEST(!scene.sample.radial_distribution.has_value());
     BOOST_TEST(!scene.sample.mean_square_displacement.has_value());
@@ -212,9 +212,9 @@ BOOST_AUTO_TEST_CASE(defaults) {
     lines[12] = "";
     lines[21] = "longest = 2.0\n[sample.velocity_autocorrelation]\nlongest = 1.0\n[sample.profile]";
     Scene const thermostatted = parse_scene(join(lines), "f.toml");
-    BOOST_TEST((thermostatted.shardlow.weight == Weight::linear));
-    BOOST_TEST(thermostatted.shardlow.cutoff == 1.0);
-    BOOST_TEST(thermostatted.shardlow.kT == 1.0);
+    BOOST_TEST((thermostatted.stage<Shardlow>()->weight == Weight::linear));
+    BOOST_TEST(thermostatted.stage<Shardlow>()->cutoff == 1.0);
+    BOOST_TEST(thermostatted.stage<Shardlow>()->kT == 1.0);
     BOOST_TEST(thermostatted.sample.velocity_autocorrelation->spacing == 1u);
     BOOST_TEST(thermostatted.sample.velocity_autocorrelation->origin_spacing == 1u);
     BOOST_TEST(thermostatted.sample.profile->interval == 1u);
@@ -338,37 +338,37 @@ BOOST_AUTO_TEST_CASE(a_kick_needs_its_impulses_first) {
 
 BOOST_AUTO_TEST_CASE(stages_of_soft_fluids_are_read_as_written) {
     Scene const scene = parse_scene(join(soft), "f.toml");
-    BOOST_TEST((scene.shardlow.scheme == Scheme::linear));
-    BOOST_TEST(scene.lowe.rate == 7.0);
-    BOOST_TEST((scene.rescale.mode == Rescaling::layers));
-    BOOST_TEST(scene.rescale.cell == 0.5);
-    BOOST_TEST(scene.body_force.acceleration == -0.3);
-    BOOST_TEST(scene.substeps == 10u);
-    BOOST_TEST(scene.sample.potential_energy);
-    BOOST_TEST(scene.sample.pressure);
-    BOOST_TEST(!scene.sample.configurational_temperature);
-    BOOST_TEST(!scene.sample.stress);
-    BOOST_TEST(!scene.sample.friction_stress);
+    BOOST_TEST((scene.stage<Shardlow>()->scheme == Scheme::linear));
+    BOOST_TEST(scene.stage<Lowe>()->rate == 7.0);
+    BOOST_TEST((scene.stage<Rescale>()->mode == Rescaling::layers));
+    BOOST_TEST(scene.stage<Rescale>()->cell == 0.5);
+    BOOST_TEST(scene.stage<BodyForce>()->acceleration == -0.3);
+    BOOST_TEST(scene.stage<Verlet>()->substeps == 10u);
+    BOOST_TEST(scene.sample.asks("potential_energy"));
+    BOOST_TEST(scene.sample.asks("pressure"));
+    BOOST_TEST(!scene.sample.asks("configurational_temperature"));
+    BOOST_TEST(!scene.sample.asks("stress"));
+    BOOST_TEST(!scene.sample.asks("friction_stress"));
     BOOST_TEST(scene.sample.profile->temperature);
     // defaults
     Scene const plain = parse_scene(
         scene_of("'shardlow', 'lowe', 'rescale', 'body_force', 'sample', 'verlet'") + "sample.profile = {}\n",
         "f.toml");
-    BOOST_TEST((plain.shardlow.scheme == Scheme::shardlow));
-    BOOST_TEST(plain.lowe.cutoff == 1.0);
-    BOOST_TEST(plain.lowe.kT == 1.0);
-    BOOST_TEST((plain.rescale.mode == Rescaling::global));
-    BOOST_TEST(plain.rescale.kT == 1.0);
-    BOOST_TEST(plain.rescale.cell == 1.0);
-    BOOST_TEST(plain.rescale.thickness == 1u);
-    BOOST_TEST(plain.rescale.amplitude == 0.3);
-    BOOST_TEST(!plain.body_force.opposed);
-    BOOST_TEST(plain.substeps == 1u);
+    BOOST_TEST((plain.stage<Shardlow>()->scheme == Scheme::shardlow));
+    BOOST_TEST(plain.stage<Lowe>()->cutoff == 1.0);
+    BOOST_TEST(plain.stage<Lowe>()->kT == 1.0);
+    BOOST_TEST((plain.stage<Rescale>()->mode == Rescaling::global));
+    BOOST_TEST(plain.stage<Rescale>()->kT == 1.0);
+    BOOST_TEST(plain.stage<Rescale>()->cell == 1.0);
+    BOOST_TEST(plain.stage<Rescale>()->thickness == 1u);
+    BOOST_TEST(plain.stage<Rescale>()->amplitude == 0.3);
+    BOOST_TEST(!plain.stage<BodyForce>()->opposed);
+    BOOST_TEST(plain.stage<Verlet>()->substeps == 1u);
     BOOST_TEST(!plain.sample.profile->temperature);
     // friction_stress is one of the stresses
     Scene const stress = parse_scene(scene_of("'lowe', 'sample', 'drift'", "'friction_stress'"), "f.toml");
-    BOOST_TEST(stress.sample.stress);
-    BOOST_TEST(stress.sample.friction_stress);
+    BOOST_TEST(stress.sample.asks("stress"));
+    BOOST_TEST(stress.sample.asks("friction_stress"));
 
     // the longest range and the hottest thermostat count
     BOOST_TEST(plain.cutoff() == 1.0);
@@ -513,7 +513,7 @@ std::vector<std::string> const mapped{
     "[box]",                                       // 22
 };
 
-double strength_of(Scene const& scene) { return std::get<Soft>(scene.potential).strength; }
+double strength_of(Scene const& scene) { return std::get<Soft>(*scene.potential()).strength; }
 
 }  // namespace
 
@@ -531,9 +531,9 @@ BOOST_AUTO_TEST_CASE(a_map_gives_lengths_strength_and_force) {
     BOOST_TEST(scene.channel_width() == 68.4 / rc, tolerance(1e-14));
     BOOST_TEST(scene.particles == 3200u);  // 16000 atoms
     BOOST_TEST(strength_of(scene) == 0.1 * 75.8 / 0.606, tolerance(1e-13));
-    BOOST_TEST(std::get<Soft>(scene.potential).cutoff == 1.0);
-    BOOST_TEST(scene.body_force.acceleration == 0.0085 * tau * tau / rc, tolerance(1e-13));
-    BOOST_TEST(!scene.body_force.opposed);
+    BOOST_TEST(std::get<Soft>(*scene.potential()).cutoff == 1.0);
+    BOOST_TEST(scene.stage<BodyForce>()->acceleration == 0.0085 * tau * tau / rc, tolerance(1e-13));
+    BOOST_TEST(!scene.stage<BodyForce>()->opposed);
     BOOST_TEST(scene.coarse_graining->atoms_per_particle == 5.0);
     BOOST_TEST(scene.coarse_graining->force == 0.0085);
     BOOST_TEST(scene.coarse_graining->viscosity == 2.117);
@@ -549,14 +549,15 @@ BOOST_AUTO_TEST_CASE(a_map_gives_lengths_strength_and_force) {
                tolerance(1e-13));
     BOOST_TEST(strength_of(parse_scene(with(14, "", mapped), "f.toml")) == strength_of(scene));
     // a force on each atom is shared by heavier particles
-    BOOST_TEST(with_set({"particles.mass=4"}).body_force.acceleration == 0.25 * scene.body_force.acceleration,
+    BOOST_TEST(with_set({"particles.mass=4"}).stage<BodyForce>()->acceleration ==
+                   0.25 * scene.stage<BodyForce>()->acceleration,
                tolerance(1e-14));
     // an acceleration of one's own in place of force and viscosity; a box in place of lengths, with its walls
     auto own = mapped;
     own[5] = own[6] = "";
     own[15] = "acceleration = -0.7";
     Scene const plain = parse_scene(join(own), "f.toml");
-    BOOST_TEST(plain.body_force.acceleration == -0.7);
+    BOOST_TEST(plain.stage<BodyForce>()->acceleration == -0.7);
     BOOST_TEST(plain.coarse_graining->viscosity == 0.0);
     own[4] = "";
     own[21] = "[box]\nlength = [5, 9, 4]";
@@ -573,7 +574,7 @@ BOOST_AUTO_TEST_CASE(a_map_gives_lengths_strength_and_force) {
         "f.toml");
     BOOST_TEST(lowe.length[1] == 12.0 / std::cbrt(3.75), tolerance(1e-14));
     BOOST_TEST(strength_of(lowe) == 0.3 * 14.36 / 0.606, tolerance(1e-13));
-    BOOST_TEST(lowe.body_force.acceleration == 0.0);
+    BOOST_TEST(!lowe.stage<BodyForce>());
     // opposed flows share the box
     auto opposed = mapped;
     opposed[15] = "opposed = true";
@@ -724,8 +725,9 @@ BOOST_AUTO_TEST_CASE(overrides) {
     BOOST_TEST(set({"time.step=0.2"}).time_step == 0.2);
     BOOST_TEST(set({"time.step=0.2", "time.step=0.25"}).time_step == 0.25);  // the last one counts
     BOOST_TEST(set({"dimension=2", "box.length=[4.0, 5.0]"}).length.size() == 2u);
-    BOOST_TEST((set({"shardlow.weight=constant"}).shardlow.weight == Weight::constant));  // a bare string
-    BOOST_TEST((set({"shardlow.weight=\"constant\""}).shardlow.weight == Weight::constant));
+    BOOST_TEST(
+        (set({"shardlow.weight=constant"}).stage<Shardlow>()->weight == Weight::constant));  // a bare string
+    BOOST_TEST((set({"shardlow.weight=\"constant\""}).stage<Shardlow>()->weight == Weight::constant));
     BOOST_TEST(set({"title=x = y"}).title == "x = y");
     BOOST_TEST(set({"title="}).title == "");
     BOOST_TEST(set({"title=it's \"so\""}).title == "it's \"so\"");

@@ -22,11 +22,9 @@
 
 #include "analysis.hpp"
 #include "forces.hpp"
-#include "rescale.hpp"
 #include "run.hpp"
 #include "sample.hpp"
 #include "scene.hpp"
-#include "stages.hpp"
 #include "statistics.hpp"
 
 using namespace dpd;
@@ -243,7 +241,7 @@ BOOST_AUTO_TEST_CASE(one_verlet_step_by_hand) {
     x += dt * v;
     v += 0.5 * dt / m * force_at(x);
     simulation.pair_search.cutoff = 1.4;
-    simulation.stages = {{"verlet", Verlet<2, Soft>{.potential = potential}}};
+    simulation.stages = {Verlet{.potential = potential}};
     simulation.advance();
     BOOST_TEST((unwrapped(simulation) - x).abs().maxCoeff() < 1e-14);
     BOOST_TEST((by_id(simulation, p.velocity) - v).abs().maxCoeff() < 1e-14);
@@ -285,13 +283,13 @@ BOOST_AUTO_TEST_CASE(two_modified_verlet_steps_by_hand) {
         f = next;
     }
     simulation.pair_search.cutoff = 1.4;
-    ModifiedVerlet<2, Soft> stage;
-    stage.potential = {.strength = 6.0, .cutoff = 1.4};
+    ModifiedVerlet stage;
+    stage.potential = Soft{.strength = 6.0, .cutoff = 1.4};
     stage.gamma = gamma;
     stage.sigma = sigma;
     stage.cutoff = cutoff;
     stage.lambda = lambda;
-    simulation.stages = {{"modified_verlet", stage}};
+    simulation.stages = {stage};
     advance(simulation, 2);
     BOOST_TEST((unwrapped(simulation) - x).abs().maxCoeff() < 1e-13);
     BOOST_TEST((by_id(simulation, p.velocity) - v).abs().maxCoeff() < 1e-13);
@@ -302,12 +300,12 @@ BOOST_AUTO_TEST_CASE(two_modified_verlet_steps_by_hand) {
 BOOST_DATA_TEST_CASE(modified_verlet_without_thermostat_is_verlet,
                      data::make({0.0, 0.4}) * data::make({0.5, 0.65}), shear_rate, lambda) {
     auto plain = small_gas<3>(shear_rate, 0.02), modified = plain;
-    ModifiedVerlet<3, Soft> stage;
+    ModifiedVerlet stage;
     stage.potential = soft;
     stage.gamma = stage.sigma = 0.0;
     stage.lambda = lambda;
-    plain.stages = {{"verlet", Verlet<3, Soft>{.potential = soft}}};
-    modified.stages = {{"modified_verlet", stage}};
+    plain.stages = {Verlet{.potential = soft}};
+    modified.stages = {stage};
     plain.stage_stress.wanted = modified.stage_stress.wanted = true;
     advance(plain, 40);
     advance(modified, 40);
@@ -330,21 +328,19 @@ BOOST_DATA_TEST_CASE(modified_verlet_at_one_half_is_euler_half_a_kick_later,
     Weight const weight = *value_of<Weight>(name);
     double const dt = 0.05, m = 1.3, gamma = 3.0;
     auto modified = small_gas<3>(0.0, dt, m);
-    ModifiedVerlet<3, Soft> stage;
+    ModifiedVerlet stage;
     stage.gamma = gamma;
     stage.sigma = sigma;
     stage.weight = weight;
     stage.cutoff = 0.9;
     stage.lambda = 0.5;
-    modified.stages = {{"modified_verlet", stage}};
+    modified.stages = {stage};
     modified.advance();
     auto euler = modified;
     euler.particles.velocity -= 0.5 * dt / m * modified.force;
     euler.step = 0;
-    euler.stages = {
-        {"euler", EulerImpulses<3>{.gamma = gamma, .sigma = sigma, .weight = weight, .cutoff = 0.9}},
-        {"kick", Kick<3>{}},
-        {"drift", Drift<3>{}}};
+    euler.stages = {EulerImpulses{.gamma = gamma, .sigma = sigma, .weight = weight, .cutoff = 0.9}, Kick{},
+                    Drift{}};
     auto const start = unwrapped(euler);
     for (int step = 0; step < 40; ++step) {
         modified.advance();
@@ -391,8 +387,8 @@ BOOST_AUTO_TEST_CASE(particles_start_where_asked) {
 
 BOOST_DATA_TEST_CASE(ten_substeps_are_ten_short_steps, data::make({0.0, 0.4}), shear_rate) {
     auto coarse = small_gas<3>(shear_rate, 0.1), fine = small_gas<3>(shear_rate, 0.01);
-    coarse.stages = {{"verlet", Verlet<3, Soft>{.potential = soft, .substeps = 10}}};
-    fine.stages = {{"verlet", Verlet<3, Soft>{.potential = soft}}};
+    coarse.stages = {Verlet{.potential = soft, .substeps = 10}};
+    fine.stages = {Verlet{.potential = soft}};
     advance(coarse, 3);
     advance(fine, 30);
     check_same_motion(coarse, fine, 1e-11);
@@ -404,7 +400,7 @@ BOOST_DATA_TEST_CASE(ten_substeps_are_ten_short_steps, data::make({0.0, 0.4}), s
 BOOST_AUTO_TEST_CASE(verlet_is_reversible_and_conserves_momentum) {
     auto simulation = small_gas<3>(0.0, 0.02, 1.5);
     auto const start = simulation;
-    simulation.stages = {{"verlet", Verlet<3, Soft>{.potential = soft, .substeps = 2}}};
+    simulation.stages = {Verlet{.potential = soft, .substeps = 2}};
     advance(simulation, 50);
     BOOST_TEST((unwrapped(simulation) - unwrapped(start)).abs().maxCoeff() > 1.0);
     BOOST_TEST(total_momentum(simulation.particles, simulation.box).norm() < 1e-12);
@@ -416,8 +412,7 @@ BOOST_AUTO_TEST_CASE(verlet_is_reversible_and_conserves_momentum) {
 
 BOOST_AUTO_TEST_CASE(energy_error_of_verlet_is_of_second_order) {
     auto start = gas<3>({5.0, 5.0, 5.0}, 375, 0.0, 0.02);
-    start.stages = {{"shardlow", Shardlow<3>{.friction = 4.5}},
-                    {"verlet", Verlet<3, Soft>{.potential = soft}}};
+    start.stages = {Shardlow{.friction = 4.5}, Verlet{.potential = soft}};
     advance(start, 200);
     auto const deviation = [&](double time_step) {
         auto simulation = start;
@@ -442,8 +437,8 @@ BOOST_AUTO_TEST_CASE(energy_error_of_verlet_is_of_second_order) {
 BOOST_AUTO_TEST_CASE(without_a_potential_verlet_is_the_drift) {
     for (double const shear_rate : {0.0, 0.4}) {
         auto drift = small_gas<3>(shear_rate, 0.3), verlet = drift;
-        drift.stages = {{"shardlow", Shardlow<3>{}}, {"drift", Drift<3>{}}};
-        verlet.stages = {{"shardlow", Shardlow<3>{}}, {"verlet", Verlet<3, Soft>{}}};
+        drift.stages = {Shardlow{}, Drift{}};
+        verlet.stages = {Shardlow{}, Verlet{}};
         advance(drift, 50);
         advance(verlet, 50);
         check_same_motion(drift, verlet, 0.0);
@@ -458,16 +453,15 @@ BOOST_DATA_TEST_CASE(the_search_does_not_show, data::make({"lowe", "euler", "res
     for (Search const search : {Search::cell, Search::brute}) {
         auto simulation = small_gas<3>(0.4, 0.02);
         simulation.pair_search.search = search;
-        Stage<3> const verlet{"verlet", Verlet<3, Soft>{.potential = soft, .substeps = 3}};
-        if (method == std::string("lowe")) simulation.stages = {{"lowe", Lowe<3>{.rate = 75.0}}, verlet};
-        if (method == std::string("rescale")) simulation.stages = {verlet, {"rescale", Rescale<3>{}}};
-        if (method == std::string("euler"))
-            simulation.stages = {{"euler", EulerImpulses<3>{}}, verlet, {"kick", Kick<3>{}}};
+        Stage<3> const verlet{Verlet{.potential = soft, .substeps = 3}};
+        if (method == std::string("lowe")) simulation.stages = {Lowe{.rate = 75.0}, verlet};
+        if (method == std::string("rescale")) simulation.stages = {verlet, Rescale{}};
+        if (method == std::string("euler")) simulation.stages = {EulerImpulses{}, verlet, Kick{}};
         if (method == std::string("modified_verlet")) {
-            ModifiedVerlet<3, Soft> stage;
+            ModifiedVerlet stage;
             stage.potential = soft;
             stage.lambda = 0.65;  // leaves impulses waiting while the rows are sorted
-            simulation.stages = {{"modified_verlet", stage}};
+            simulation.stages = {stage};
         }
         advance(simulation, 20);
         both.push_back(simulation);
@@ -481,7 +475,7 @@ BOOST_AUTO_TEST_CASE(body_force_accelerates_along_x) {
         Field<2> expected = simulation.particles.velocity;
         for (Eigen::Index p = 0; p < expected.rows(); ++p)
             expected(p, 0) += opposed && simulation.particles.position(p, 1) >= 2.5 ? -0.06 : 0.06;
-        BodyForce<2>{.acceleration = 0.3, .opposed = opposed}(simulation, {});
+        act(BodyForce{.acceleration = 0.3, .opposed = opposed}, simulation, {});
         BOOST_TEST((simulation.particles.velocity - expected).abs().maxCoeff() < 1e-15);
     }
 }
@@ -535,10 +529,7 @@ Cells<d> cells_of(Simulation<d> const& simulation, NoiseKey key, double side) {
     return cells;
 }
 
-Rescaling rescaling_of(std::string_view name) {
-    return static_cast<Rescaling>(std::find(rescaling_names.begin(), rescaling_names.end(), name) -
-                                  rescaling_names.begin());
-}
+Rescaling rescaling_of(std::string_view name) { return *value_of<Rescaling>(name); }
 
 template <int d>
 void check_rescaling(std::string_view name, double shear_rate, double side, std::uint64_t thickness) {
@@ -547,7 +538,7 @@ void check_rescaling(std::string_view name, double shear_rate, double side, std:
     NoiseKey const key{5, 9, 2};
     auto simulation = small_gas<d>(shear_rate, 0.1, m);
     simulation.time = 2.9;
-    Rescale<d> rescale;
+    Rescale rescale;
     rescale.mode = mode;
     rescale.kT = kT;
     rescale.cell = side;
@@ -555,7 +546,7 @@ void check_rescaling(std::string_view name, double shear_rate, double side, std:
     rescale.amplitude = 0.3;
     auto boosted = simulation;
     auto const before = cells_of(simulation, key, side);
-    rescale(simulation, key);
+    act(rescale, simulation, key);
     auto const after = cells_of(simulation, key, side);
 
     std::map<long, double> square, free;  // by layer; the whole is one layer
@@ -590,7 +581,7 @@ void check_rescaling(std::string_view name, double shear_rate, double side, std:
     // as seen from a moving frame
     Eigen::Array<double, 1, d> const frame = Eigen::Array<double, 1, d>::LinSpaced(-1.0, 2.5);
     boosted.particles.velocity.rowwise() += frame;
-    rescale(boosted, key);
+    act(rescale, boosted, key);
     boosted.particles.velocity.rowwise() -= frame;
     check_same_motion(boosted, simulation, 1e-13);
 }
@@ -598,15 +589,15 @@ void check_rescaling(std::string_view name, double shear_rate, double side, std:
 }  // namespace
 
 BOOST_DATA_TEST_CASE(rescaling_by_hand,
-                     data::make(rescaling_names) * data::make({0.0, 0.4}) * data::make({1, 2}), name,
+                     data::make(names<Rescaling>) * data::make({0.0, 0.4}) * data::make({1, 2}), name,
                      shear_rate, thickness) {
     check_rescaling<2>(name, shear_rate, 1.0, std::uint64_t(thickness));
     check_rescaling<3>(name, shear_rate, 1.0, std::uint64_t(thickness));
     check_rescaling<3>(name, shear_rate, 0.5, std::uint64_t(thickness));  // most particles are alone
 }
 
-BOOST_DATA_TEST_CASE(rescaling_of_two_particles_and_a_lone_one, data::make(rescaling_names), name) {
-    Rescale<3> rescale;
+BOOST_DATA_TEST_CASE(rescaling_of_two_particles_and_a_lone_one, data::make(names<Rescaling>), name) {
+    Rescale rescale;
     rescale.mode = rescaling_of(name);
     int alone = 0, together = 0;
     for (std::uint64_t step = 0; step < 40; ++step) {
@@ -614,7 +605,7 @@ BOOST_DATA_TEST_CASE(rescaling_of_two_particles_and_a_lone_one, data::make(resca
         auto& p = simulation.particles;
         p.position << 1.0, 1.0, 1.0, 1.2, 1.1, 1.3, 3.5, 4.5, 0.5;
         Field<3> const before = p.velocity;
-        rescale(simulation, {3, step, 0});
+        act(rescale, simulation, {3, step, 0});
         auto const cells = cells_of(simulation, {3, step, 0}, 1.0);
         BOOST_TEST((p.velocity.row(2) == before.row(2)).all());
         ++(cells.size() == 3 ? alone : together);
@@ -630,7 +621,7 @@ BOOST_DATA_TEST_CASE(rescaling_of_two_particles_and_a_lone_one, data::make(resca
 BOOST_AUTO_TEST_CASE(a_cold_gas_stays_cold_when_rescaled) {
     auto simulation = small_gas<3>(0.0, 0.1);
     simulation.particles.velocity.setZero();
-    Rescale<3>{}(simulation, {});
+    act(Rescale{}, simulation, {});
     BOOST_TEST((simulation.particles.velocity == 0.0).all());
 }
 
@@ -638,11 +629,11 @@ BOOST_AUTO_TEST_CASE(a_cold_gas_stays_cold_when_rescaled) {
 BOOST_AUTO_TEST_CASE(monte_carlo_rescaling_finds_the_canonical_distribution) {
     double const m = 1.7, kT = 0.6;
     auto simulation = gas<3>({6.0, 6.0, 6.0}, 648, 0.0, 0.5, m, 2.0 * kT);
-    Rescale<3> rescale;
+    Rescale rescale;
     rescale.mode = Rescaling::monte_carlo;
     rescale.kT = kT;
     rescale.amplitude = 0.5;
-    simulation.stages = {{"drift", Drift<3>{}}, {"rescale", rescale}};
+    simulation.stages = {Drift{}, rescale};
     constexpr std::size_t least = 2, most = 6;
     std::vector<double> mean[most + 1], variance[most + 1];
     for (std::uint64_t step = 0; step < 2200; ++step) {
@@ -698,13 +689,13 @@ BOOST_DATA_TEST_CASE(stresses_equal_the_momentum_through_planes, data::make({0.0
         auto& p = simulation.particles;
         simulation.step = step;
         simulation.time_step = dt;
-        Lowe<3>{.rate = 2.5 / dt}(simulation, {1, step, 0});
+        act(Lowe{.rate = 2.5 / dt}, simulation, {1, step, 0});
         double const collisions =
             through_pairs([&](std::size_t k) { return m * simulation.pairs().impulse[k]; });
         BOOST_TEST(std::abs(collision_stress(simulation.pairs(), m, simulation.box, dt) - collisions) < 1e-3);
 
         auto whole = simulation;
-        Verlet<3, Soft>{.potential = soft, .substeps = substeps}(whole, {});
+        act(Verlet{.potential = soft, .substeps = substeps}, whole, {});
         double kinetic = 0.0, potential = 0.0;
         simulation.time_step = span;
         for (std::uint64_t s = 0; s < substeps; ++s) {
@@ -718,7 +709,7 @@ BOOST_DATA_TEST_CASE(stresses_equal_the_momentum_through_planes, data::make({0.0
                 double const passed = to - from, middle = 0.5 * (from + to) * gap;
                 kinetic += m * passed * (v(i, 0) - simulation.box.flow_velocity(middle)) * per_plane;
             }
-            Verlet<3, Soft>{.potential = soft}(simulation, {});
+            act(Verlet{.potential = soft}, simulation, {});
             potential += through_pairs(by_half_a_force);
         }
         BOOST_TEST(whole.stage_stress.streamed);
@@ -729,9 +720,9 @@ BOOST_DATA_TEST_CASE(stresses_equal_the_momentum_through_planes, data::make({0.0
         NoiseKey const key{1, step, 2};
         auto const before = cells_of(simulation, key, 1.0);
         Field<3> const old = p.velocity;
-        Rescale<3> rescale;
+        Rescale rescale;
         rescale.kT = 1.5;
-        rescale(simulation, key);
+        act(rescale, simulation, key);
         double moved = 0.0;
         for (auto const& [where, cell] : before)
             for (std::size_t k = 0; k < cell.rows.size(); ++k)
@@ -780,7 +771,7 @@ void check_sweeps(double updates, double shear_rate) {
     simulation.time = 2.9;
     auto by_hand = simulation;
     auto const expected = sweep_by_hand(by_hand, key, updates, kT);
-    Lowe<d>{.rate = updates / dt, .kT = kT}(simulation, key);
+    act(Lowe{.rate = updates / dt, .kT = kT}, simulation, key);
     check_same_motion(simulation, by_hand, 1e-13);
     auto const& pairs = simulation.pairs();
     BOOST_REQUIRE_EQUAL(pairs.count, expected.size());
@@ -827,8 +818,8 @@ BOOST_DATA_TEST_CASE(schemes_of_one_pair,
         return -0.6 * (p.velocity(0, 0) - p.velocity(1, 0)) - 0.8 * (p.velocity(0, 1) - p.velocity(1, 1));
     };
     double const before = approach();
-    Shardlow<2>{.friction = friction, .weight = Weight::constant, .scheme = scheme, .kT = kT}(simulation,
-                                                                                              {1, 4, 2});
+    act(Shardlow{.friction = friction, .weight = Weight::constant, .scheme = scheme, .kT = kT}, simulation,
+        {1, 4, 2});
     double const noise = std::sqrt((1.0 - kept * kept) * 2.0 * kT / m) * normal({1, 4, 2}, 0, 1);
     BOOST_TEST(approach() == kept * before + noise, tolerance(1e-12));
 }
@@ -907,7 +898,7 @@ BOOST_AUTO_TEST_CASE(lots_are_uniform_and_independent_of_the_normals) {
     }
     pair_normals(key, i, j, id.data(), other);  // the same bits: what the keys must keep apart
     BOOST_TEST(correlation(squared) > 10.0 * false_alarm_bound);
-    static_assert(most_sweeps <= 0x80);
+    static_assert(Lowe::most_sweeps <= 0x80);
 }
 
 // --- the soft fluid --------------------------------------------------------------------------------------

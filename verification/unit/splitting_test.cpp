@@ -10,7 +10,6 @@
 #include "analysis.hpp"
 #include "sample.hpp"
 #include "scene.hpp"
-#include "stages.hpp"
 #include "statistics.hpp"
 
 using namespace dpd;
@@ -49,7 +48,7 @@ Simulation<3> two(double time_step, double mass) {
 using Vec3 = Eigen::Array3d;
 
 // r_0 - r_1 and v_0 - v_1, which is all that two particles have.
-struct Pair {
+struct OnePair {
     Vec3 r, v;
     Vec3 e() const { return r / r.matrix().norm(); }
     Vec3 soft_force() const { return 25.0 * (1.0 - r.matrix().norm()) * e(); }
@@ -58,13 +57,13 @@ struct Pair {
         return -gamma * w * (v * e()).sum() * e();
     }
 };
-Pair pair_of(Simulation<3> const& s) {
+OnePair pair_of(Simulation<3> const& s) {
     Eigen::Index const first = s.particles.id[0] == 0 ? 0 : 1;
     return {(s.particles.position.row(first) - s.particles.position.row(1 - first)).transpose(),
             (s.particles.velocity.row(first) - s.particles.velocity.row(1 - first)).transpose()};
 }
 
-void check_pair(Simulation<3> const& simulation, Pair const& expected) {
+void check_pair(Simulation<3> const& simulation, OnePair const& expected) {
     BOOST_TEST((pair_of(simulation).r - expected.r).abs().maxCoeff() < 1e-14);
     BOOST_TEST((pair_of(simulation).v - expected.v).abs().maxCoeff() < 1e-14);
     BOOST_TEST(total_momentum(simulation.particles, simulation.box).norm() < 1e-15);
@@ -74,10 +73,8 @@ void check_pair(Simulation<3> const& simulation, Pair const& expected) {
 
 BOOST_DATA_TEST_CASE(half_kick_drift_half_kick_is_verlet, data::make({0.0, 0.4}), shear_rate) {
     auto verlet = gas(shear_rate, 0.02), split = verlet;
-    verlet.stages = {{"verlet", Verlet<3, Soft>{.potential = soft}}};
-    split.stages = {{"half_kick", HalfKick<3, Soft>{.potential = soft}},
-                    {"drift", Drift<3>{}},
-                    {"half_kick", HalfKick<3, Soft>{.potential = soft}}};
+    verlet.stages = {Verlet{.potential = soft}};
+    split.stages = {HalfKick{.potential = soft}, Drift{}, HalfKick{.potential = soft}};
     for (int step = 0; step < 40; ++step) {
         verlet.advance();
         split.advance();
@@ -90,8 +87,8 @@ BOOST_DATA_TEST_CASE(half_kick_drift_half_kick_is_verlet, data::make({0.0, 0.4})
 
 BOOST_DATA_TEST_CASE(two_half_drifts_are_a_drift, data::make({0.0, 0.4}), shear_rate) {
     auto whole = gas(shear_rate, 0.03), halves = whole;
-    whole.stages = {{"drift", Drift<3>{}}};
-    halves.stages = {{"half_drift", HalfDrift<3>{}}, {"half_drift", HalfDrift<3>{}}};
+    whole.stages = {Drift{}};
+    halves.stages = {HalfDrift{}, HalfDrift{}};
     for (int step = 0; step < 100; ++step) {
         whole.advance();
         halves.advance();
@@ -106,14 +103,10 @@ BOOST_AUTO_TEST_CASE(one_aboba_step_by_hand) {
     double const dt = 0.1, m = 1.7, gamma = 4.5;
     auto simulation = two(dt, m);
     simulation.stages = {
-        {"half_drift", HalfDrift<3>{}},
-        {"half_kick", HalfKick<3, Soft>{.potential = soft}},
-        {"shardlow",
-         Shardlow<3>{
-             .friction = gamma, .weight = Weight::quadratic, .scheme = Scheme::exponential, .kT = 0.0}},
-        {"half_kick", HalfKick<3, Soft>{.potential = soft}},
-        {"half_drift", HalfDrift<3>{}}};
-    Pair p = pair_of(simulation);
+        HalfDrift{}, HalfKick{.potential = soft},
+        Shardlow{.friction = gamma, .weight = Weight::quadratic, .scheme = Scheme::exponential, .kT = 0.0},
+        HalfKick{.potential = soft}, HalfDrift{}};
+    OnePair p = pair_of(simulation);
     p.r += 0.5 * dt * p.v;
     p.v += 0.5 * dt / m * 2.0 * p.soft_force();  // both particles feel the force
     // d(v.e)/dt = -(2/m) gamma w (v.e), for a time dt
@@ -129,13 +122,11 @@ BOOST_AUTO_TEST_CASE(one_aboba_step_by_hand) {
 BOOST_DATA_TEST_CASE(one_euler_step_with_a_force_by_hand, data::make({false, true}), kick_first) {
     double const dt = 0.1, m = 1.7, gamma = 4.5;
     auto simulation = two(dt, m);
-    Stage<3> const kick{"kick", Kick<3>{}}, drift{"drift", Drift<3>{}};
-    simulation.stages = {
-        {"euler", EulerImpulses<3>{.gamma = gamma, .sigma = 0.0, .weight = Weight::quadratic}},
-        {"force", ForceImpulses<3, Soft>{.potential = soft}},
-        kick_first ? kick : drift,
-        kick_first ? drift : kick};
-    Pair p = pair_of(simulation);
+    Stage<3> const kick{Kick{}}, drift{Drift{}};
+    simulation.stages = {EulerImpulses{.gamma = gamma, .sigma = 0.0, .weight = Weight::quadratic},
+                         ForceImpulses{.potential = soft}, kick_first ? kick : drift,
+                         kick_first ? drift : kick};
+    OnePair p = pair_of(simulation);
     Vec3 const change = 2.0 * dt / m * (p.soft_force() + p.friction(gamma));
     if (kick_first) p.v += change;
     p.r += dt * p.v;
@@ -149,9 +140,8 @@ BOOST_DATA_TEST_CASE(friction_stress_of_euler_by_hand, data::make({0.0, 3.0}), s
     double const m = 1.7, gamma = 4.5;
     auto simulation = two(0.1, m);
     simulation.stage_stress.wanted = true;
-    simulation.stages = {
-        {"euler", EulerImpulses<3>{.gamma = gamma, .sigma = sigma, .weight = Weight::quadratic}}};
-    Pair const p = pair_of(simulation);
+    simulation.stages = {EulerImpulses{.gamma = gamma, .sigma = sigma, .weight = Weight::quadratic}};
+    OnePair const p = pair_of(simulation);
     simulation.advance();
     // -(1/V) f_x y of the one pair
     double const expected = -p.friction(gamma)[0] * p.r[1] / simulation.box.volume();
@@ -165,14 +155,14 @@ BOOST_DATA_TEST_CASE(friction_stress_of_euler_by_hand, data::make({0.0, 3.0}), s
 BOOST_DATA_TEST_CASE(two_dpd_vv_steps_by_hand, data::make({false, true}), again) {
     double const dt = 0.1, m = 1.7, gamma = 4.5;
     auto simulation = two(dt, m);
-    ModifiedVerlet<3, Soft> stage;
+    ModifiedVerlet stage;
     stage.potential = soft;
     stage.gamma = gamma;
     stage.sigma = 0.0;
     stage.friction_again = again;
     simulation.stage_stress.wanted = true;
-    simulation.stages = {{"modified_verlet", stage}};
-    Pair p = pair_of(simulation);
+    simulation.stages = {stage};
+    OnePair p = pair_of(simulation);
     Vec3 force = p.soft_force() + p.friction(gamma);
     for (int step = 0; step < 2; ++step) {
         p.v += dt / m * force;

@@ -16,7 +16,6 @@
 #include "errors.hpp"
 #include "forces.hpp"
 #include "run.hpp"
-#include "stages.hpp"
 #include "theory/closed_forms.hpp"
 #include "toml_reader.hpp"
 
@@ -267,13 +266,13 @@ BOOST_AUTO_TEST_CASE(frozen_limits_are_those_of_the_engine) {
     };
     auto const limits = frozen_limits(particles, simulation.box, friction, Weight::quadratic, strength);
     Eigen::MatrixXd rates(size, size), hessian(size, size);
-    EulerImpulses<d> const impulses{.gamma = friction, .sigma = 0.0, .weight = Weight::quadratic};
+    EulerImpulses const impulses{.gamma = friction, .sigma = 0.0, .weight = Weight::quadratic};
     Soft const soft{.strength = strength};
     double const h = 1e-6;
     for (Eigen::Index column = 0; column < size; ++column) {
         particles.velocity.setZero();
         particles.velocity(row_of(column / d), int(column % d)) = 1.0;
-        impulses(simulation, {});
+        act(impulses, simulation, {});
         rates.col(column) = -flat(simulation.momentum_change) / (particles.mass * dt);
         Eigen::VectorXd change = Eigen::VectorXd::Zero(size);
         for (double const sign : {1.0, -1.0}) {
@@ -307,12 +306,13 @@ BOOST_FIXTURE_TEST_CASE(points_are_what_the_axes_say, Fixture) {
             auto const start = parse_scene(point.start, "start");
             for (auto const& scene : {trial, start}) {
                 BOOST_TEST(scene.density() == point.density, boost::test_tools::tolerance(1e-12));
-                BOOST_TEST(std::get<Soft>(scene.potential).strength == point.repulsion);
+                BOOST_TEST(std::get<Soft>(*scene.potential()).strength == point.repulsion);
                 BOOST_TEST(scene.thermostat_kT() == 1.0, boost::test_tools::tolerance(1e-12));
             }
-            double const friction = point.integrator == "S1" ? trial.shardlow.friction : trial.euler.gamma;
+            double const friction = point.integrator == "S1" ? trial.stage<Shardlow>()->friction
+                                                             : trial.stage<EulerImpulses>()->gamma;
             BOOST_TEST(friction == point.friction);
-            BOOST_TEST(start.shardlow.friction == 25.0);
+            BOOST_TEST(start.stage<Shardlow>()->friction == 25.0);
             BOOST_TEST(point.length.fewest == 300u);
         }
     auto const& soft = maps[1].points[1];

@@ -205,11 +205,11 @@ BOOST_AUTO_TEST_CASE(a_small_study) {
     BOOST_TEST(studies.size() == 1u);
     BOOST_TEST(studies[0].runs.size() == 2u * (3 + 2 + 3));
     StudyRun const& first = studies[0].runs.front();
-    BOOST_TEST(first.scene.shardlow.friction == 4.5);
+    BOOST_TEST(first.scene.stage<Shardlow>()->friction == 4.5);
     BOOST_TEST(first.scene.sample.interval == 5u);
     BOOST_TEST(first.scene.sample.radial_distribution->interval == 20u);
     BOOST_TEST(first.scene.production_steps == 400u);
-    BOOST_TEST(studies[0].runs.back().scene.euler.sigma == 3.0);
+    BOOST_TEST(studies[0].runs.back().scene.stage<EulerImpulses>()->sigma == 3.0);
     BOOST_TEST(studies[0].runs.back().scene.mass == 0.5);
 
     CampaignOptions const options{
@@ -273,7 +273,8 @@ BOOST_AUTO_TEST_CASE(mistakes_in_a_study_are_refused) {
     check("friction = 4.5", "friction = -1", "friction: -1 is not allowed");
     check("steps = [0.02", "steps = [0.0", "steps");
     check("table_step = 0.04", "table_step = 0.05", "table_step: is none of the budget's steps");
-    check("[budget.quick]\n", "[budget.quick]\nsmallest_step = 0.05\n", "table_step: is none of the budget's steps");
+    check("[budget.quick]\n", "[budget.quick]\nsmallest_step = 0.05\n",
+          "table_step: is none of the budget's steps");
     check("[budget.quick]\n", "[budget.quick]\nsmallest_step = -1\n", "smallest_step: -1 is not allowed");
     check("[budget.quick]\n", "[budget.fast]\n", "quick: is missing");
     check("[\"S1\", \"Euler\"]", "[\"S1\", \"S2\"]", "a list of S1, Euler");

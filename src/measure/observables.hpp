@@ -1,0 +1,117 @@
+/// @file
+/// The table of observables: what a scene can ask to be measured at every sample, by name.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <tuple>
+
+#include "simulation.hpp"
+#include "stress.hpp"
+
+namespace dpd {
+
+/// A simulation when it is sampled. What several observables need is found once.
+template <int d>
+class Instant {
+public:
+    explicit Instant(Simulation<d>& sampled) : simulation(sampled) {}
+    Simulation<d>& simulation;
+
+    double particles() const { return double(simulation.particles.size()); }
+    double kinetic_temperature() const {
+        return dpd::kinetic_temperature(simulation.particles, simulation.box);
+    }
+    /// Sums over the pairs of the scene's potential; zero without one.
+    PotentialSums const& potential() {
+        if (!potential_)
+            potential_ = simulation.potential_sums ? simulation.potential_sums(simulation) : PotentialSums{};
+        return *potential_;
+    }
+
+private:
+    std::optional<PotentialSums> potential_;
+};
+
+/// What becomes of a series when a run is analyzed.
+enum class Analysis {
+    mean,     ///< its mean, under the name of the series
+    largest,  ///< its largest value, as "largest_NAME"
+    joint,    ///< a quantity made of several series: `analyze`
+};
+
+/// One series of numbers, one per sample; `value(Instant<d>&)` finds it.
+template <class Value>
+struct Series {
+    std::string_view observable;  ///< which has to be asked for
+    std::string_view name;
+    bool needs_potential;  ///< is not there in a scene without one
+    Analysis analysis;
+    Value value;
+};
+template <class Value>
+Series(std::string_view, std::string_view, bool, Analysis, Value) -> Series<Value>;
+
+/// An observable is the series that are listed under its name.
+// [observables]
+inline constexpr std::tuple series_table{
+    Series{"kinetic_temperature", "kinetic_temperature", false, Analysis::mean,
+           [](auto& now) { return now.kinetic_temperature(); }},
+    Series{"momentum", "momentum", false, Analysis::largest,
+           [](auto& now) { return total_momentum(now.simulation.particles, now.simulation.box).norm(); }},
+    Series{"potential_energy", "potential_energy", false, Analysis::mean,
+           [](auto& now) { return now.potential().energy / now.particles(); }},
+    // (N - 1) kT counts the degrees of freedom that momentum leaves
+    Series{"pressure", "pressure", false, Analysis::mean,
+           []<int d>(Instant<d>& now) {
+               return ((now.particles() - 1.0) * now.kinetic_temperature() + now.potential().virial / d) /
+                      now.simulation.box.volume();
+           }},
+    Series{"configurational_temperature", "force_squared", false, Analysis::joint,
+           [](auto& now) { return now.potential().force_squared / now.particles(); }},
+    Series{"configurational_temperature", "laplacian", false, Analysis::joint,
+           [](auto& now) { return now.potential().laplacian / now.particles(); }},
+    // a stage that streams in substeps has measured what it did in the step before
+    Series{"stress", "kinetic_stress", false, Analysis::joint,
+           [](auto& now) {
+               auto const& s = now.simulation;
+               return s.stage_stress.streamed ? s.stage_stress.kinetic
+                                              : kinetic_stress(s.particles, s.box, s.time_step);
+           }},
+    Series{"stress", "collision_stress", false, Analysis::joint,
+           [](auto& now) {
+               auto& s = now.simulation;
+               return s.stage_stress.rescaling + s.stage_stress.collision +
+                      (s.pairs_of_step() ? collision_stress(s.pairs(), s.particles.mass, s.box, s.time_step)
+                                         : 0.0);
+           }},
+    Series{"stress", "potential_stress", true, Analysis::joint,
+           [](auto& now) { return now.simulation.stage_stress.potential; }},
+    Series{"friction_stress", "friction_stress", false, Analysis::joint, [](auto& now) {
+               return now.simulation.stage_stress.rescaling + now.simulation.stage_stress.friction;
+           }}};
+// [observables]
+
+/// Calls `visit(series)` for every row of the table.
+template <class Visit>
+constexpr void for_each_series(Visit&& visit) {
+    std::apply([&](auto const&... series) { (visit(series), ...); }, series_table);
+}
+
+constexpr bool is_observable(std::string_view name) {
+    bool found = false;
+    for_each_series([&](auto const& series) { found |= series.observable == name; });
+    return found;
+}
+
+/// The name of an observable; one that is none does not compile.
+struct ObservableName {
+    std::string_view text;
+    consteval ObservableName(char const* name) : text(name) {
+        if (!is_observable(text)) throw "no observable of that name";
+    }
+};
+
+}  // namespace dpd
