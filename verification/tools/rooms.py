@@ -98,7 +98,7 @@ def levels(below):
 def draw(count):
     below = stands_on()
     floor = levels(below)
-    width, height, gap_x, gap_y, margin = 250, 50, 40, 34, 20
+    width, height, gap_x, gap_y, margin = 290, 50, 40, 34, 20
     rows = {}
     for room in below:
         rows.setdefault(floor[room], []).append(room)
