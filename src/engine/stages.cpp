@@ -1,3 +1,5 @@
+/// @file
+/// What the stages do to the particles, fast: the pairs in blocks, their coefficients in vectors.
 #include "stages.hpp"
 
 #include <algorithm>
@@ -342,9 +344,9 @@ void find_friction_again(ModifiedVerlet const& stage, Simulation<d>& simulation)
     std::array<double, block_size> change;
     for_each_block(pairs, [&](PairBlock block) {
         with_value(stage.weight, [&]<Weight w>() {
-            auto const again = [=, gamma = stage.gamma, cutoff = stage.cutoff, change = change.data()](
-                                   std::size_t k, auto image_speed) {
-                double const x = view.distance[k] / cutoff;
+            auto const again = [=, gamma = stage.gamma, per_cutoff = 1.0 / stage.cutoff,
+                                change = change.data()](std::size_t k, auto image_speed) {
+                double const x = view.distance[k] * per_cutoff;
                 auto const [i, j, e] = PairRows<d>(view, k);
                 double const friction =
                     x < 1.0 ? -gamma * weight_at<w>(x) * approach(row<d>(v, i), row<d>(v, j), e, image_speed)
