@@ -28,6 +28,19 @@ void warn(Scene const& scene, RunResult const& result) {
                    result.kinetic_temperature, set);
 }
 
+// What costs N^2 says so beforehand.
+void announce_plain(Scene const& scene) {
+    if (scene.cutoff() == 0.0) return;  // no pairs
+    auto const n = double(scene.particles + scene.wall_particles), pairs = 0.5 * n * (n - 1.0);
+    auto const* const verlet = scene.stage<Verlet>();
+    double const searches = double(scene.steps()) * double(verlet ? verlet->substeps : 1);
+    constexpr double seconds_per_pair = 3e-9;  // on one core of 2023
+    fmt::print(stderr,
+               "dpdref: the plain engine looks at all {:.3g} pairs of particles in each of {:.3g} searches: "
+               "about {}\n",
+               pairs, searches, duration_text(pairs * searches * seconds_per_pair));
+}
+
 // Nanoseconds per particle and step.
 double cost_of(RunResult const& result) {
     return 1e9 * result.seconds /
@@ -93,15 +106,20 @@ Command run(CLI::App& app) {
     struct Options {
         SceneOptions scene;
         std::optional<std::string> out;
+        std::string engine = "fast";
         bool json = false;
     };
     auto const options = std::make_shared<Options>();
     auto* const command = app.add_subcommand("run", "run a scene");
     options->scene.add_to(*command);
     command->add_option("--out", options->out, "HDF5 file of results, checkpoints and provenance");
+    command->add_option("--engine", options->engine, "fast, or plain: the papers as code, src/plain")
+        ->check(CLI::IsMember(std::vector<std::string>(names<Engine>.begin(), names<Engine>.end())));
     command->add_flag("--json", options->json, "print JSON");
     return {command, [options] {
-                Scene const scene = options->scene.load();
+                Scene scene = options->scene.load();
+                scene.use(*value_of<Engine>(options->engine));
+                if (scene.engine == Engine::plain) announce_plain(scene);
                 RunOptions how;
                 if (options->out) how.output = *options->out;
                 how.stop = &stop_requested;

@@ -4,6 +4,7 @@
 
 #include "archive.hpp"
 #include "errors.hpp"
+#include "plain_stages.hpp"
 #include "version.hpp"
 
 namespace dpd {
@@ -11,7 +12,7 @@ namespace {
 
 // Everything a run needs to go on as if it had never stopped.
 template <int d>
-void archive_state(Archive& archive, Simulation<d>& simulation) {
+void archive_state(Archive& archive, Engine engine, Simulation<d>& simulation) {
     archive("checkpoint/position", simulation.particles.position);
     archive("checkpoint/velocity", simulation.particles.velocity);
     archive("checkpoint/image", simulation.particles.image);
@@ -34,7 +35,8 @@ void archive_state(Archive& archive, Simulation<d>& simulation) {
                   of_step = simulation.pairs_of_step().value_or(0);
     archive("checkpoint/pairs/found", found);
     archive("checkpoint/pairs/of_step", of_step);
-    if (reading && found) simulation.find_pairs_again(of_step);
+    if (reading && found && engine == Engine::plain) find_pairs_plainly(simulation, of_step);
+    if (reading && found && engine == Engine::fast) simulation.find_pairs_again(of_step);
     std::uint64_t forces = simulation.forces_valid();
     archive("checkpoint/forces/found", forces);
     if (forces) {
@@ -66,7 +68,8 @@ void RunFile<d>::save(std::string status, Simulation<d>& simulation, Recorder<d>
     archive.describe_as_h5md();
     std::string key = scene_.key(), text = scene_.text;
     std::uint64_t seed = scene_.seed, bytes = simulation.bytes();
-    std::string program = fmt::format("dpdref {}", version),
+    std::string program = fmt::format("dpdref {}{}", version,
+                                      scene_.engine == Engine::plain ? ", plain engine" : ""),
                 built = fmt::format("{} {}", compiler, build_flags);
     archive("dpdref/status", status);
     archive("dpdref/key", key);
@@ -78,7 +81,7 @@ void RunFile<d>::save(std::string status, Simulation<d>& simulation, Recorder<d>
     archive("dpdref/bytes", bytes);
     archive_counters(archive, simulation.counters);
     recorder.archive(archive);
-    if (status == "interrupted") archive_state(archive, simulation);
+    if (status == "interrupted") archive_state(archive, scene_.engine, simulation);
     archive.commit();
 }
 
@@ -90,8 +93,9 @@ bool RunFile<d>::load(Simulation<d>& simulation, Recorder<d>& recorder, double& 
     std::string key, status;
     if (archive.has("dpdref/key")) archive("dpdref/key", key);
     if (key != scene_.key())
-        throw InputError(fmt::format(
-            "{}: exists and is not a result of this scene and seed; allowed: a new file", path_.string()));
+        throw InputError(
+            fmt::format("{}: exists and is not a result of this scene, seed and engine; allowed: a new file",
+                        path_.string()));
     archive("dpdref/status", status);
     complete = status == "complete";
     if (status.starts_with(diverged)) throw Diverged(status.substr(diverged.size()));
@@ -100,7 +104,7 @@ bool RunFile<d>::load(Simulation<d>& simulation, Recorder<d>& recorder, double& 
     archive("dpdref/bytes", bytes);
     archive_counters(archive, simulation.counters);
     recorder.archive(archive);
-    if (!complete) archive_state(archive, simulation);
+    if (!complete) archive_state(archive, scene_.engine, simulation);
     return true;
 }
 

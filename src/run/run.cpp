@@ -8,6 +8,7 @@
 #include "archive.hpp"
 #include "checkpoint.hpp"
 #include "forces.hpp"
+#include "plain_stages.hpp"
 
 namespace dpd {
 namespace {
@@ -47,7 +48,16 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.pair_search.search = scene.search;
     simulation.pair_search.order = scene.order;
     simulation.sample = std::move(sample);
-    for (AnyStage const& stage : scene.stages) simulation.stages.emplace_back(stage);
+    if (scene.engine == Engine::fast) {
+        for (AnyStage const& stage : scene.stages) simulation.stages.emplace_back(stage);
+        return simulation;
+    }
+    simulation.pair_list.cutoff = simulation.pair_search.cutoff;
+    for (AnyStage const& stage : scene.stages) simulation.stages.push_back(plain_stage<d>(stage));
+    if (AnyPotential const* const known = scene.potential())
+        simulation.potential_sums = [potential = *known](Simulation<d>& s) {
+            return plain_potential_sums(s, potential);
+        };
     return simulation;
 }
 

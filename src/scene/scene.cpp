@@ -512,10 +512,18 @@ double Scene::thermostat_kT() const {
     return highest;
 }
 
+void Scene::use(Engine which) {
+    if (which == Engine::plain && order == Order::random)
+        throw InputError(
+            "pairs.order: is random; allowed with the plain engine: cell or id, both the order of ids");
+    engine = which;
+}
+
 std::string Scene::key() const {
     boost::uuids::name_generator_sha1 const generate(boost::uuids::ns::oid());
     return boost::uuids::to_string(
-        generate(fmt::format("{}\nrevision {}\nseed {}", text, engine_revision, seed)));
+        generate(fmt::format("{}\nrevision {}\nseed {}{}", text, engine_revision, seed,
+                             engine == Engine::plain ? "\nplain engine" : "")));
 }
 
 Scene parse_scene(std::string const& text, std::string const& name, std::vector<std::string> const& overrides,

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pairs.hpp"
@@ -23,6 +24,22 @@ struct CoarseGrainingParameters {
     double force = 0.0;          ///< on each atom, along x, m sigma/tau^2
     double viscosity = 0.0;      ///< of the DPD fluid, its own units; with `force` only
 };
+
+/// Which of the two implementations of the stages runs a scene.
+enum class Engine {
+    fast,   ///< src/engine
+    plain,  ///< src/plain: all pairs, in the order of ids
+};
+
+constexpr std::string_view name_of(Engine engine) {
+    switch (engine) {
+        case Engine::fast:
+            return "fast";
+        case Engine::plain:
+            return "plain";
+    }
+    return "";
+}
 
 struct Scene {
     std::string title;
@@ -47,6 +64,7 @@ struct Scene {
     Order order = Order::cell;
     SampleParameters sample;
     std::uint64_t trajectory_interval = 0;  ///< steps between frames; 0: none
+    Engine engine = Engine::fast;           ///< `use` chooses it, not the file
 
     /// The merged TOML text, sorted and without comments: with the seed and the engine's revision it
     /// determines the results.
@@ -77,7 +95,11 @@ struct Scene {
     double cutoff() const;         ///< the longest of the scene's pair interactions; 0 without any
     double thermostat_kT() const;  ///< the highest that a thermostat of the scene is set to; 0 without any
 
-    /// Name of this scene's cached result: a UUID (version 5) of text, seed and engine revision.
+    /// Chooses the engine. Throws InputError if that cannot run the scene: the plain one knows no random
+    /// order.
+    void use(Engine which);
+
+    /// Name of this scene's cached result: a UUID (version 5) of text, seed, engine and its revision.
     std::string key() const;
 };
 

@@ -153,6 +153,16 @@ expect 0 -- run scene.toml --json
 expect 0 -- run scene.toml --set trajectory.interval=5 --out moving.h5
 [ -s moving.h5md ] || fail "run: no trajectory beside the results"
 expect 2 a.h5 -- run scene.toml --out a.h5 --seed 2
+# either engine gives the same numbers; the plain one says what it costs, and its results are its own
+order=(--set pairs.order=id --set pairs.search=brute --json)
+expect 0 -- run scene.toml "${order[@]}"
+cp out fast.json
+expect 0 -- run scene.toml "${order[@]}" --engine plain --out plain.h5
+grep -q '^dpdref: the plain engine looks at all 2.56e+03 pairs' err || fail "run --engine plain: does not say what it costs: $(cat err)"
+[ "$(numbers out | grep -v '"key"')" = "$(numbers fast.json | grep -v '"key"')" ] || fail "run --engine plain: other numbers"
+expect 2 plain.h5 engine -- run scene.toml "${order[@]}" --out plain.h5
+expect 2 fast plain -- run scene.toml --engine slow
+expect 2 pairs.order random -- run scene.toml --engine plain --set pairs.order=random
 expect 0 -- run scene.toml --seed 18446744073709551615 --json
 grep -q '"seed": 18446744073709551615' out || fail "run --seed: not the seed that was given"
 no_remains run
