@@ -164,13 +164,13 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     }
 }
 
-// All pairs whose first member lies in layer y: with partners in the rest of its own layer, and with those
-// of the layer above, which is the sheared image of the lowest one if `across`. Half of the neighbourhood, so
-// that each pair is met once.
+// All pairs whose first member lies in layer y, with partners where `partners` says. Half of the
+// neighbourhood, so that each pair is met once.
 template <int d>
 void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& box, double time, int y,
-                                 bool within, bool above, bool across, PairList<d>& pairs) {
-    simd::Geometry<d> const nearest_image = geometry(box, time, across);
+                                 Partners partners, PairList<d>& pairs) {
+    bool const own = partners.own_layer, above = partners.layer_above || partners.sheared_image;
+    simd::Geometry<d> const nearest_image = geometry(box, time, partners.sheared_image);
     auto const begin_of = [&](int cell) { return static_cast<std::size_t>(cell_begin_[std::size_t(cell)]); };
     auto const limit = static_cast<float>(std::pow(cutoff + margin(box), 2) * (1.0 + 1e-6));
     simd::Sorted<d> sorted{{}, owner_.data()};
@@ -189,11 +189,11 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
         auto const add_row = [&](int row_x, int row_y) {
             int const turn = row_x < 0 ? -1 : row_x == cells_[0] ? 1 : 0;
             bool const beyond = row_y == cells_[1];
-            rows[row_count++] = {row_begin(beyond && !across ? 0 : row_y, row_x - turn * cells_[0]),
-                                 static_cast<float>(turn * box.length[0]),
-                                 static_cast<float>(beyond ? box.length[1] : 0.0)};
+            rows[row_count++] = {
+                row_begin(beyond && !partners.sheared_image ? 0 : row_y, row_x - turn * cells_[0]),
+                static_cast<float>(turn * box.length[0]), static_cast<float>(beyond ? box.length[1] : 0.0)};
         };
-        if (d == 3 && within) add_row(x + 1, y);
+        if (d == 3 && own) add_row(x + 1, y);
         if (d == 3 && above) add_row(x - 1, y + 1);
         if (above) add_row(x, y + 1);
         if (d == 3 && above) add_row(x + 1, y + 1);
@@ -205,7 +205,7 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
             std::size_t const begin = begin_of(home), end = begin_of(home + size);
             if (begin == end) continue;
             simd::Candidates cell{begin, end, 1, {}};
-            cell.ranges[0] = {begin, within ? begin_of(home + size + reach) : begin, {}};
+            cell.ranges[0] = {begin, own ? begin_of(home + size + reach) : begin, {}};
             std::size_t total = cell.ranges[0].end - begin;
             for (std::size_t r = 0; r < row_count; ++r) {
                 simd::Range const range{begin_of(rows[r].begin + c),
@@ -222,7 +222,7 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
             for (std::size_t home_particle = begin; home_particle < end; ++home_particle) {
                 cell.home_begin = home_particle;
                 cell.home_end = home_particle + 1;
-                if (within) cell.ranges[0].begin = home_particle;
+                if (own) cell.ranges[0].begin = home_particle;
                 candidates_.push_back(cell);
             }
         }
@@ -289,10 +289,11 @@ void PairSearch<d>::find_by_cells(Particles<d> const& particles, Box<d> const& b
                                   PairList<d>& pairs) {
     sort_into_cells(particles, box, time);
     int const top = cells_[1] - 1;
-    for (int y = 0; y < top; ++y) search_layer(particles, box, time, y, true, true, false, pairs);
-    search_layer(particles, box, time, top, true, !box.sheared(), false, pairs);
+    for (int y = 0; y < top; ++y)
+        search_layer(particles, box, time, y, {.own_layer = true, .layer_above = true}, pairs);
+    search_layer(particles, box, time, top, {.own_layer = true, .layer_above = !box.sheared()}, pairs);
     std::size_t const within = pairs.count;
-    if (box.sheared()) search_layer(particles, box, time, top, false, true, true, pairs);
+    if (box.sheared()) search_layer(particles, box, time, top, {.sheared_image = true}, pairs);
     pairs.crossing.resize(pairs.count - within);
     std::iota(pairs.crossing.begin(), pairs.crossing.end(), static_cast<std::uint32_t>(within));
 }

@@ -76,8 +76,13 @@ private:
     void find_by_brute_force(Particles<d> const&, Box<d> const&, double time, PairList<d>&);
     void find_by_cells(Particles<d> const&, Box<d> const&, double time, PairList<d>&);
     void sort_into_cells(Particles<d> const&, Box<d> const&, double time);
-    void search_layer(Particles<d> const&, Box<d> const&, double time, int y, bool within, bool above,
-                      bool across, PairList<d>&);
+    /// Where search_layer looks for partners.
+    struct Partners {
+        bool own_layer = false;
+        bool layer_above = false;
+        bool sheared_image = false;  ///< of the lowest layer, which lies above the highest one
+    };
+    void search_layer(Particles<d> const&, Box<d> const&, double time, int y, Partners, PairList<d>&);
     void separate(Particles<d> const&, simd::Geometry<d> const&, std::size_t from, std::size_t size,
                   PairList<d>&) const;
     simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;

@@ -75,8 +75,8 @@ template <int d>
 double kinetic_temperature(Particles<d> const& particles, Box<d> const& box) {
     auto const n = double(particles.size());
     if (n < 2) return 0.0;
-    if (particles.has_walls())  // which take up momentum
-        return particles.mass * particles.velocity.square().sum() / (d * double(particles.mobile));
+    if (particles.has_walls())  // momentum goes into the walls, so that all d N components are free
+        return particles.mass * particles.velocity.square().sum() / (d * double(particles.fluid));
     double sum = particles.velocity.square().sum();
     if (box.sheared()) {
         auto const flow = box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
@@ -138,7 +138,7 @@ void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint6
     Eigen::Array<double, Eigen::Dynamic, d> const drawn = particles.velocity;  // summed axis by axis
     if (start == Start::lattice) put_on_lattice(particles, box, 0, particles.size(), 0.0, box.length[1]);
     if (particles.has_walls()) {
-        auto const fluid = static_cast<Eigen::Index>(particles.mobile), walls = particles.size() - fluid;
+        auto const fluid = static_cast<Eigen::Index>(particles.fluid), walls = particles.size() - fluid;
         put_on_lattice(particles, box, fluid, walls, -box.wall, box.wall);
         double const height = box.length[1] - 2.0 * box.wall;
         if (start == Start::lattice)

@@ -69,12 +69,12 @@ void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, d
     for_each_block(pairs, [&](PairBlock block) {
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
-        double* const xi = view.impulse + block.begin;
+        double* const impulse = view.impulse + block.begin;  // now standard normals
         wide_loop(block.size(), [=, per_cutoff = 1.0 / cutoff, a = a.data()](std::size_t k) {
             // [pair coefficients]
             double const x = r[k] * per_cutoff;
             a[k] = x < 1.0 ? a_of(block.begin + k, x) : 0.0;
-            xi[k] *= update_b(a[k], 1.0) * noise;
+            impulse[k] *= update_b(a[k], 1.0) * noise;
             // [pair coefficients]
         });
         for_each_pair(pairs, simulation.box, block, [=, a = a.data()](std::size_t k, auto image_speed) {
@@ -91,7 +91,7 @@ void update_pairs(Simulation<d>& simulation, PairList<d>& pairs, NoiseKey key, d
             }
             view.impulse[k] = change;
             // [pair update]
-            a_k = friction;
+            a_k = friction;  // for the stress; A is not needed any more
         });
         if (stress_wanted) moved += sum_of_arms(view, block, a.data());
     });
@@ -174,18 +174,18 @@ void apply(EulerImpulses const& stage, Simulation<d>& simulation, NoiseKey key) 
     PairView<d> const view(pairs);
     auto& particles = simulation.particles;
     simulation.momentum_change.setZero(particles.size(), d);
-    double const friction = stage.gamma * simulation.time_step;
+    double const most_drag = stage.gamma * simulation.time_step;
     double const noise = stage.sigma * std::sqrt(simulation.time_step);
     bool const stress_wanted = simulation.stage_stress.wanted;
     double moved = 0.0;
     double const per_mass = 1.0 / particles.mass;
     double const* const v = particles.velocity.data();
     double* const change = simulation.momentum_change.data();
-    std::array<double, block_size> drag;
+    std::array<double, block_size> drag, friction;  // momentum per speed, and momentum
     for_each_block(pairs, [&](PairBlock block) {
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
-        double* const xi = view.impulse + block.begin;
+        double* const impulse = view.impulse + block.begin;  // now standard normals
         with_value(stage.weight, [&]<Weight w>() {
             wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff, random_weight = stage.random_weight,
                                      drag = drag.data()](std::size_t k) {
@@ -193,26 +193,27 @@ void apply(EulerImpulses const& stage, Simulation<d>& simulation, NoiseKey key) 
                 double const x = r[k] * per_cutoff;
                 double const w_d = x < 1.0 ? weight_at<w>(x) : 0.0;
                 double const w_r = random_weight ? weight_at(*random_weight, x) : std::sqrt(w_d);
-                drag[k] = friction * w_d;
-                xi[k] *= noise * w_r;
+                drag[k] = most_drag * w_d;
+                impulse[k] *= noise * w_r;
                 // [euler coefficients]
             });
         });
-        for_each_pair(pairs, simulation.box, block, [=, drag = drag.data()](std::size_t k, auto image_speed) {
-            auto const [i, j, e] = PairRows<d>(view, k);
-            // [euler impulse]
-            double const dissipative =
-                -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
-            double const momentum = dissipative + view.impulse[k];
-            for (int axis = 0; axis < d; ++axis) {
-                change[i + axis] += momentum * e[axis];
-                change[j + axis] -= momentum * e[axis];
-            }
-            // [euler impulse]
-            drag[k - block.begin] = dissipative;
-            view.impulse[k] = momentum * per_mass;
-        });
-        if (stress_wanted) moved += sum_of_arms(view, block, drag.data());
+        for_each_pair(pairs, simulation.box, block,
+                      [=, drag = drag.data(), friction = friction.data()](std::size_t k, auto image_speed) {
+                          auto const [i, j, e] = PairRows<d>(view, k);
+                          // [euler impulse]
+                          double const dissipative =
+                              -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
+                          double const momentum = dissipative + view.impulse[k];
+                          for (int axis = 0; axis < d; ++axis) {
+                              change[i + axis] += momentum * e[axis];
+                              change[j + axis] -= momentum * e[axis];
+                          }
+                          // [euler impulse]
+                          friction[k - block.begin] = dissipative;
+                          view.impulse[k] = momentum * per_mass;
+                      });
+        if (stress_wanted) moved += sum_of_arms(view, block, friction.data());
     });
     simulation.stage_stress.friction = -moved / (simulation.box.volume() * simulation.time_step);
     pairs.updated = true;
@@ -282,11 +283,11 @@ void find_forces(ModifiedVerlet const& stage, Potential const& potential, Simula
     double* const force = simulation.force.data();
     PairVirials virials;
     bool const walls = particles.has_walls();
-    std::array<double, block_size> conservative, drag;
+    std::array<double, block_size> conservative, drag, friction;  // force, force per speed, force
     for_each_block(pairs, [&](PairBlock block) {
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
-        double* const xi = view.impulse + block.begin;
+        double* const impulse = view.impulse + block.begin;  // now standard normals
         with_value(stage.weight, [&]<Weight w>() {
             wide_loop(block.size(), [=, gamma = stage.gamma, per_cutoff = 1.0 / stage.cutoff,
                                      conservative = conservative.data(), drag = drag.data()](std::size_t k) {
@@ -295,36 +296,37 @@ void find_forces(ModifiedVerlet const& stage, Potential const& potential, Simula
                 double const w_d = x < 1.0 ? weight_at<w>(x) : 0.0;
                 conservative[k] = r[k] < potential.cutoff ? potential.force(r[k]) : 0.0;
                 drag[k] = gamma * w_d;
-                xi[k] *= strength * std::sqrt(w_d);
+                impulse[k] *= strength * std::sqrt(w_d);
                 // [modified verlet force]
             });
         });
         if (walls)
             for (std::size_t k = 0; k < block.size(); ++k)
                 conservative[k] *= wall_factor(simulation, view.i[block.begin + k], view.j[block.begin + k]);
-        for_each_pair(
-            pairs, simulation.box, block,
-            [=, conservative = conservative.data(), drag = drag.data()](std::size_t k, auto image_speed) {
-                auto const [i, j, e] = PairRows<d>(view, k);
-                // [modified verlet sum]
-                double const friction =
-                    -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
-                double const thermal = friction + view.impulse[k];
-                double const f = conservative[k - block.begin] + thermal;
-                for (int axis = 0; axis < d; ++axis) {
-                    force[i + axis] += f * e[axis];
-                    force[j + axis] -= f * e[axis];
-                }
-                // [modified verlet sum]
-                drag[k - block.begin] = friction;
-                view.impulse[k] = thermal;
-            });
+        for_each_pair(pairs, simulation.box, block,
+                      [=, conservative = conservative.data(), drag = drag.data(), friction = friction.data()](
+                          std::size_t k, auto image_speed) {
+                          auto const [i, j, e] = PairRows<d>(view, k);
+                          // [modified verlet sum]
+                          double const dissipative =
+                              -drag[k - block.begin] * approach(row<d>(v, i), row<d>(v, j), e, image_speed);
+                          double const thermal = dissipative + view.impulse[k];
+                          double const f = conservative[k - block.begin] + thermal;
+                          for (int axis = 0; axis < d; ++axis) {
+                              force[i + axis] += f * e[axis];
+                              force[j + axis] -= f * e[axis];
+                          }
+                          // [modified verlet sum]
+                          friction[k - block.begin] = dissipative;
+                          view.impulse[k] = thermal;
+                      });
         if (simulation.stage_stress.wanted) {
             virials.potential += sum_of_arms(view, block, conservative.data());
-            virials.friction += sum_of_arms(view, block, drag.data());
-            virials.thermostat += sum_of_arms(view, block, xi);
+            virials.friction += sum_of_arms(view, block, friction.data());
+            virials.thermostat += sum_of_arms(view, block, impulse);
         }
-        if (stage.friction_again) std::copy_n(drag.data(), block.size(), xi);  // to be replaced
+        // what find_friction_again will take off again
+        if (stage.friction_again) std::copy_n(friction.data(), block.size(), impulse);
     });
     if (walls) forget_wall_forces(simulation, simulation.force);
     simulation.counters.potential_evaluations += pairs.count;

@@ -66,7 +66,7 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
         bond_search_.check(simulation.box);
     }
     if (parameters_.configuration)
-        record_.configuration.setZero(Eigen::Index{simulation.particles.mobile}, d);
+        record_.configuration.setZero(Eigen::Index{simulation.particles.fluid}, d);
     auto const correlation = [&](std::string const& name, CorrelationParameters const& p) {
         curve(name, p.lags + 1, 0.0, double(p.spacing) * simulation.time_step);
     };
@@ -213,7 +213,7 @@ BondOrder bond_order(Particles<3> const& particles, PairList<3> const& pairs, in
     }
     for (Eigen::Index p = 0; p < rows; ++p)
         if (!particles.frozen(p))
-            order.local += norm((average.row(p) / (1.0 + bonds[p])).eval()) / double(particles.mobile);
+            order.local += norm((average.row(p) / (1.0 + bonds[p])).eval()) / double(particles.fluid);
     return order;
 }
 
@@ -250,7 +250,7 @@ void Recorder<d>::correlate(Simulation<d> const& simulation, CorrelationParamete
     for (auto const& origin : origins) {
         auto const lag = static_cast<Eigen::Index>((simulation.step - origin.step) / parameters.spacing);
         curve.sum(lag, block_of(origin.step)) += product(now, origin.value);
-        curve.weight(lag, block_of(origin.step)) += double(simulation.particles.mobile);
+        curve.weight(lag, block_of(origin.step)) += double(simulation.particles.fluid);
     }
 }
 

@@ -17,23 +17,23 @@ using Field = Eigen::Array<Scalar, Eigen::Dynamic, d, Eigen::RowMajor>;
 /// N particles of equal mass. Rows are kept roughly in cell order; `id` names a particle for good.
 template <int d>
 struct Particles {
-    Field<d> position;             ///< inside the primary box
-    Field<d> velocity;             ///< laboratory frame
+    Field<d> position;             ///< length; inside the primary box
+    Field<d> velocity;             ///< length per time; laboratory frame
     Field<d, std::int32_t> image;  ///< boxes travelled; unwrapped = position + image*length
     Eigen::Array<std::uint32_t, Eigen::Dynamic, 1> id;  ///< 0 .. N-1
-    double mass = 1.0;
-    std::uint32_t mobile = 0;  ///< ids from here on are frozen: wall particles, which never move
+    double mass = 1.0;                                  ///< of each, in the scene's unit
+    std::uint32_t fluid = 0;  ///< how many may move: their ids come first; the others are the walls'
 
     Eigen::Index size() const { return position.rows(); }
-    bool has_walls() const { return mobile < size(); }
-    bool frozen(Eigen::Index row) const { return id[row] >= mobile; }
+    bool has_walls() const { return fluid < size(); }
+    bool frozen(Eigen::Index row) const { return id[row] >= fluid; }
 
     void resize(Eigen::Index n) {
         position.setZero(n, d);
         velocity.setZero(n, d);
         image.setZero(n, d);
         id.setLinSpaced(n, 0, static_cast<std::uint32_t>(n > 0 ? n - 1 : 0));
-        mobile = static_cast<std::uint32_t>(n);
+        fluid = static_cast<std::uint32_t>(n);
     }
 };
 

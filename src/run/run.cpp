@@ -27,7 +27,7 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.particles.mass = scene.mass;
     simulation.box.wall = scene.wall;
     simulation.particles.resize(static_cast<Eigen::Index>(scene.particles + scene.wall_particles));
-    simulation.particles.mobile = static_cast<std::uint32_t>(scene.particles);
+    simulation.particles.fluid = static_cast<std::uint32_t>(scene.particles);
     if (auto const* const soft = scene.soft(); scene.wall_strength && soft && soft->strength > 0.0)
         simulation.wall_strength = *scene.wall_strength / soft->strength;
     randomize(simulation.particles, simulation.box, scene.kT, scene.seed, scene.start);

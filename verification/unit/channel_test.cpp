@@ -572,7 +572,7 @@ void check_components(Scene const& scene, int components) {
                 correlation += product.col(axis).sum();
             }
             x_only += moved.col(0).square().sum();
-            count += double(simulation.particles.mobile);  // the walls' particles add nothing
+            count += double(simulation.particles.fluid);  // the walls' particles add nothing
         }
         auto const row = static_cast<Eigen::Index>(lag);
         auto const total = [&](char const* name) {

@@ -94,7 +94,7 @@ double local_by_hand(Particles<3> const& p, Box<3> const& box, int l) {
         }
         sum += order_of(all, l);
     }
-    return sum / double(p.mobile);
+    return sum / double(p.fluid);
 }
 
 struct Lattice {
@@ -182,7 +182,7 @@ BOOST_DATA_TEST_CASE(ideal_lattices, data::make(lattices()), lattice) {
 BOOST_DATA_TEST_CASE(disordered_particles_against_legendre_sums, data::make({0.5, 1.5}) * data::make({0, 25}),
                      density, frozen) {
     auto simulation = random_gas(70, std::cbrt(70.0 / density), 3);
-    simulation.particles.mobile = std::uint32_t(70 - frozen);
+    simulation.particles.fluid = std::uint32_t(70 - frozen);
     auto const& [p, box] = std::tie(simulation.particles, simulation.box);
     auto const& pairs = simulation.pairs();
     std::size_t alone = 0, most = 0;

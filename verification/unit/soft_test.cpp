@@ -1023,7 +1023,7 @@ BOOST_AUTO_TEST_CASE(bounce_back_by_hand) {
     auto simulation = gas<3>({4.0, 6.0, 4.0}, 3, 0.0, 0.5);
     auto& p = simulation.particles;
     simulation.box.wall = 1.0;
-    p.mobile = 2;
+    p.fluid = 2;
     p.position << 1.0, 0.9, 1.0, 2.0, 5.2, 2.0, 3.0, 0.5, 3.0;  // below, above, frozen
     p.velocity << 0.3, -0.5, 0.2, 0.1, 0.8, 0.0, 0.0, 0.0, 0.0;
     simulation.box.bounce_back(p, 0.5);
@@ -1045,18 +1045,18 @@ BOOST_AUTO_TEST_CASE(walls_hold_the_fluid) {
                "modified_verlet.soft.strength=100", "sample.profile.bins=28"});
     auto simulation = build<3>(parsed, {});
     auto const& p = simulation.particles;
-    auto const walls = p.size() - Eigen::Index(p.mobile);
-    BOOST_TEST(p.mobile == 240u);
+    auto const walls = p.size() - Eigen::Index(p.fluid);
+    BOOST_TEST(p.fluid == 240u);
     BOOST_TEST(walls == 96);
     Field<3> const at_first = by_id(simulation, p.position).bottomRows(walls);
     for (int step = 0; step < 2000; ++step) {
         simulation.advance();
-        auto const y = by_id(simulation, p.position).col(1).head(p.mobile).eval();
+        auto const y = by_id(simulation, p.position).col(1).head(p.fluid).eval();
         if (!((y >= 1.0).all() && (y <= 6.0).all())) BOOST_FAIL("a particle is in the wall at step " << step);
     }
     BOOST_TEST((by_id(simulation, p.position).bottomRows(walls) == at_first).all());
     BOOST_TEST((by_id(simulation, p.velocity).bottomRows(walls) == 0.0).all());
-    BOOST_TEST(by_id(simulation, p.velocity).topRows(p.mobile).col(0).mean() > 0.1);  // it flows
+    BOOST_TEST(by_id(simulation, p.velocity).topRows(p.fluid).col(0).mean() > 0.1);  // it flows
 }
 
 // PK2006's fluid at twenty atoms per particle, packed into a corner at first, with walls that repel more than
@@ -1072,22 +1072,22 @@ BOOST_DATA_TEST_CASE(walls_hold_a_coarse_cold_fluid, data::make({70.7, 0.0}), st
     auto simulation = build<3>(parsed, [&](Simulation<3>& s) { (*recorder)(s); });
     recorder = std::make_unique<Recorder<3>>(parsed.sample, simulation);
     auto const& p = simulation.particles;
-    auto const walls = p.size() - Eigen::Index(p.mobile);
+    auto const walls = p.size() - Eigen::Index(p.fluid);
     Field<3> const at_first = by_id(simulation, p.position).bottomRows(walls);
-    BOOST_TEST(p.mobile == 240u);
+    BOOST_TEST(p.fluid == 240u);
     int bounced = 0;
     for (int step = 0; step < 2000; ++step) {
         Field<3> const before = by_id(simulation, p.velocity);
         simulation.advance();
-        auto const y = by_id(simulation, p.position).col(1).head(p.mobile).eval();
+        auto const y = by_id(simulation, p.position).col(1).head(p.fluid).eval();
         if (!((y >= 1.0).all() && (y <= 6.0).all())) BOOST_FAIL("a particle is in the wall at step " << step);
         std::vector<std::uint32_t> ids(p.id.begin(), p.id.end());
         std::sort(ids.begin(), ids.end());
         for (std::size_t k = 0; k < ids.size(); ++k)
             if (ids[k] != k) BOOST_FAIL("a particle is lost at step " << step);
         // one near the wall that has turned round
-        auto const v = by_id(simulation, p.velocity).col(1).head(p.mobile).eval();
-        bounced += int(((y < 1.02) && (v > 0.0) && (before.col(1).head(p.mobile) < 0.0)).count());
+        auto const v = by_id(simulation, p.velocity).col(1).head(p.fluid).eval();
+        bounced += int(((y < 1.02) && (v > 0.0) && (before.col(1).head(p.fluid) < 0.0)).count());
     }
     BOOST_TEST(bounced > (strength > 0.0 ? 0 : 100));
     BOOST_TEST((by_id(simulation, p.position).bottomRows(walls) == at_first).all());
@@ -1135,11 +1135,11 @@ BOOST_AUTO_TEST_CASE(wall_strength_scales_the_force_of_the_wall) {
                                                  "walls.strength=" + strength, "particles.density=1"}),
                      {});
         auto& p = simulation.particles;
-        p.position.topRows(p.mobile).col(1) = 3.5;  // out of the wall's reach, but for one
+        p.position.topRows(p.fluid).col(1) = 3.5;  // out of the wall's reach, but for one
         p.position.row(0) << 2.1, 1.3, 1.7;
         simulation.positions_changed();
         auto const& field = forces(simulation, soft);
-        BOOST_TEST((by_id(simulation, field).bottomRows(p.size() - Eigen::Index(p.mobile)) == 0.0).all());
+        BOOST_TEST((by_id(simulation, field).bottomRows(p.size() - Eigen::Index(p.fluid)) == 0.0).all());
         forces_found.push_back(by_id(simulation, field)(0, 1));
     }
     BOOST_TEST(forces_found[0] > 1.0);
