@@ -3,7 +3,7 @@ load scripts."/names.gp"
 map = file("blowup")
 set multiplot
 set logscale xy
-set xrange [1:6000]
+set xrange [1:700]
 set format y "10^{%T}"
 set ylabel "k_BT" offset 0.5,0
 set lmargin at screen 0.12
@@ -11,7 +11,7 @@ set lmargin at screen 0.12
 set tmargin at screen 0.95; set bmargin at screen 0.71
 set title "Just beyond the largest bounded step, no repulsion: blow-up" offset 0,-0.6
 set format x ""
-set yrange [0.3:1e7]
+set yrange [0.3:1e7]; set ytics 100
 unset key
 plot 1 with lines lw 2 lc rgb grey, \
      for [k=1:10] map index name[k].":0:diverged" with lines lw 1.5 lc rgb colour[k]
@@ -25,7 +25,7 @@ set tmargin at screen 0.41; set bmargin at screen 0.18
 set title "Just beyond the largest usable step, a = 25: hot, but bounded"
 set format x "10^{%T}"
 set xlabel "steps" offset 0,0.4
-set yrange [0.7:300]; set format y "%g"
+set yrange [0.7:70]; set format y "%g"; set ytics 10
 set key at screen 0.53,0.06 center center maxrows 3 samplen 1.2 width -1
 plot 2 with lines lw 2 lc rgb grey notitle, \
      for [k=1:10] map index name[k].":25:hot" with lines lw 1.5 lc rgb colour[k] title name[k]
