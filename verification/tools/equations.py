@@ -4,9 +4,10 @@
 Code names its equation in a comment, @eq{PAPER,N}; docs/equations.toml says the rest by hand.
 
 usage: equations.py                every equation has code and a test, or a reason why not; every name exists; every
-                                   test that a page cites exists; every line of code that it asks for is there
+                                   test that a page cites exists; every line of code that it asks for is there; every
+                                   measured number of a page is in the data (measured.py)
        equations.py --write DIR    the same, then writes the page DIR/equations.md
-       equations.py --label FILE   prints a page as Doxygen needs it (its filter): labels on the headings of derivations
+       equations.py --label FILE   prints a page as Doxygen needs it (its filter): labels on the headings of derivations, measured numbers
 
 Exit code 1 with one line per mistake. Python's standard library only.
 """
@@ -15,6 +16,8 @@ import pathlib
 import re
 import sys
 import tomllib
+
+import measured
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MARK = re.compile(r"@eq\{\s*(\w+)\s*,\s*(\d+)\s*\}")
@@ -60,6 +63,7 @@ def labelled(file):
         for number, title in headings(file):
             lines[number] += f" {{#{label_of(file.stem, title)}}}"
     text = "\n".join(lines) + "\n"
+    text = measured.drawn(text)
     # Doxygen expands aliases in `...` and knows no **...** around a formula
     text = re.sub(r"`@eq\{([^}`]*)\}`", r"<code>\@eq{\1}</code>", text)
 
@@ -189,9 +193,18 @@ def lost_listings():
 # --- the check and the page
 
 
+def lost_numbers():
+    """measured numbers of the pages that no data file has"""
+    for page in pages():
+        try:
+            measured.drawn(read(page))
+        except ValueError as error:
+            yield f"{page.relative_to(ROOT)}: {error}"
+
+
 def collect():
     code, tests = marked_code(), all_tests()
-    mistakes = [*lost_listings(), *lost_tests(tests)]
+    mistakes = [*lost_listings(), *lost_tests(tests), *lost_numbers()]
     book = tomllib.loads(read(ROOT / "docs" / "equations.toml"))
     for (paper, n), places in code.items():
         if paper not in book or not 1 <= n <= book[paper]["equations"]:
