@@ -16,14 +16,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr int steps = 2;
 
-// Three components per particle, of which two dimensions take the first two.
-struct State {
+// What a case begins with: three components per particle, of which two dimensions take the first two.
+struct Before {
     std::vector<double> position, velocity;
     std::uint64_t step = 0;  // steps done before, which set the time that a sheared boundary knows
 };
 
-State read_state(TomlReader reader) {
-    State state;
+Before read_state(TomlReader reader) {
+    Before state;
     state.position = reader.numbers("position", std::nullopt, any_number);
     state.velocity = reader.numbers("velocity", std::nullopt, any_number);
     state.step = reader.integer("step", 0, non_negative_integer);
@@ -80,11 +80,11 @@ void list_noise(Json& noise, Simulation<d>& simulation, Scene const& scene, AnyS
         pair_uniforms(lots_key, i, j, id.data(), lots);
         for (std::size_t k = 0; k < pairs.count; ++k) {
             if (pairs.distance[k] >= acting->cutoff) continue;
-            Json entry{{"stage", name},
-                       {"pair", {id[pairs.i[k]], id[pairs.j[k]]}},
-                       {"distance", pairs.distance[k]}};
+            Json entry{
+                {"stage", name}, {"pair", {id[pairs.i[k]], id[pairs.j[k]]}}, {"distance", pairs.distance[k]}};
             if (scene.thermostat_kT() > 0.0) entry["normal"] = normals[k];
-            if (std::holds_alternative<Lowe>(stage) && acting->sweeps - sweep < 1.0) entry["uniform"] = lots[k];
+            if (std::holds_alternative<Lowe>(stage) && acting->sweeps - sweep < 1.0)
+                entry["uniform"] = lots[k];
             if (std::holds_alternative<Lowe>(stage)) entry["sweep"] = sweep;
             noise.push_back(entry);
         }
@@ -107,7 +107,7 @@ Json state_json(Particles<d> const& particles) {
 }
 
 template <int d>
-void run_case(Json& result, Scene const& scene, State const& state) {
+void run_case(Json& result, Scene const& scene, Before const& state) {
     auto simulation = build<d>(scene, {});
     for (Eigen::Index p = 0; p < simulation.particles.size(); ++p)
         for (int axis = 0; axis < d; ++axis) {
@@ -153,7 +153,7 @@ Json answer(toml::table table, std::string const& id, std::vector<std::string> c
     auto const states = root.table("state");
     if (!states || !states->raw().contains(name))
         reader.fail("state", fmt::format("{} is not defined; allowed: a table [state.{}]", name, name));
-    State const state = read_state(*TomlReader(*states).table(name));
+    Before const state = read_state(*TomlReader(*states).table(name));
     table.erase("source");
     table.erase("state");
     table.erase("id");

@@ -1,3 +1,5 @@
+/// @file
+/// The commands that give and compare reference answers.
 #include <fmt/format.h>
 
 #include <memory>

@@ -1,3 +1,5 @@
+/// @file
+/// The commands that make figures, studies and reference answers.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+/// @file
+/// The noise of the plain engine.
 #include <Random123/philox.h>
 
 #include <numbers>

@@ -1,7 +1,6 @@
 /// @file
-/// The plain engine: the papers as code, to be read from top to bottom. A stage is one function; all pairs
-/// are looked at, in the order of ids; an equation is a loop. Nothing is done for speed. The fast engine
-/// gives the same bits: `the_fast_engine_has_the_plain_ones_bits` (plain_test).
+/// The plain engine: the papers as code, to be read from top to bottom. All pairs are looked at, in the order
+/// of ids; an equation is a loop; nothing is done for speed. The fast engine has its bits (plain_test).
 #pragma once
 
 #include <algorithm>

@@ -8,6 +8,7 @@ that is done. A statement is left out; a condition is turned round; what a varia
 returns, is changed a little. Prints what is not found, and exits with 1 if there is any.
 """
 import argparse
+import concurrent.futures
 import os
 import pathlib
 import re
@@ -198,12 +199,13 @@ def main():
         print("break_plain: the test fails although nothing is broken")
         return 1
     places = range(len(breaker.places)) if arguments.only is None else [arguments.only]
-    unseen = []
-    for k in places:
-        if run(k) == 0:
-            unseen.append(k)
-            print("not seen:", k, *breaker.places[k], flush=True)
-    print(f"{len(places)} breaks, {len(unseen)} not seen; {len(breaker.left)} declarations have nothing to break")
+    unseen = 0
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for k, code in zip(places, pool.map(run, places)):
+            if code == 0:
+                unseen += 1
+                print("not seen:", k, *breaker.places[k], flush=True)
+    print(f"{len(places)} breaks, {unseen} not seen; {len(breaker.left)} declarations have nothing to break")
     return 1 if unseen else 0
 
 

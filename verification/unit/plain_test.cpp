@@ -11,7 +11,9 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/test/unit_test.hpp>
+#include <random>
 
 #include "noise.hpp"
 #include "run.hpp"
@@ -156,7 +158,8 @@ std::vector<std::string> stage_lists(bool walls) {
                                                        weight, scheme, cutoff));
     for (double const rate : {0.0, 9.0, 20.0, 37.0, 60.0}) {  // 0, 0.45, 1, 1.85 and 3 per step
         add({"lowe", "drift"}, fmt::format("[lowe]\nrate = {}\nkT = 1.3\ncutoff = 0.9\n", rate));
-        add({"lowe", "verlet"}, fmt::format("[lowe]\nrate = {}\n[verlet]\nsubsteps = 2\n{}", rate, soft));
+        add({"lowe", "verlet"},
+            fmt::format("[lowe]\nrate = {}\ncutoff = 0.6\n[verlet]\nsubsteps = 2\n{}", rate, soft));
     }
     for (auto const weight : names<Weight>) {
         std::string const euler = fmt::format("[euler]\ngamma = 4.0\nsigma = 2.5\nweight = \"{}\"\n", weight);
@@ -180,7 +183,7 @@ std::vector<std::string> stage_lists(bool walls) {
     }
     add({"drift"}, "");
     add({"half_drift", "half_drift"}, "");
-    add({"scatter", "shardlow", "drift"}, "[shardlow]\nfriction = 1.0\n");
+    add({"shardlow", "scatter", "lowe", "drift"}, "[shardlow]\nfriction = 1.0\n[lowe]\nrate = 9.0\n");
     for (char const* opposed : {"false", "true"})
         add({"body_force", "drift"},
             fmt::format("[body_force]\nacceleration = -0.7\nopposed = {}\n", opposed));
@@ -225,19 +228,22 @@ BOOST_AUTO_TEST_CASE(
     the_fast_engine_has_the_plain_ones_bits,
     *boost::unit_test::enable_if<std::string_view(build_flags).find("native") == std::string_view::npos>()) {
     Comparisons done;
+    std::vector<std::pair<std::string, bool>> lists;
     for (bool const walls : {false, true})
-        for (auto const& stages : stage_lists(walls))
-            for (double const shear_rate : {0.0, 0.4}) {
-                if (walls && shear_rate != 0.0) continue;  // a scene has either
-                bool const rescales = stages.find("rescale") != std::string::npos;
-                for (char const* search : {"cell", "brute"}) {
-                    if (rescales && std::string_view(search) == "cell") continue;
-                    std::string const more = walls ? "\n[walls]\nthickness = 1.3\nstrength = 5.0"
-                                                   : fmt::format("\nshear_rate = {}", shear_rate);
-                    compare<2>(scene_text(2, stages, "[box]\nlength = [5, 6]" + more, search), 4, done);
-                    compare<3>(scene_text(3, stages, "[box]\nlength = [4, 5, 3]" + more, search), 4, done);
-                }
+        for (auto const& stages : stage_lists(walls)) lists.emplace_back(stages, walls);
+    std::shuffle(lists.begin(), lists.end(), std::mt19937{});  // what is wrong shows early
+    for (auto const& [stages, walls] : lists)
+        for (double const shear_rate : {0.0, 0.4}) {
+            if (walls && shear_rate != 0.0) continue;  // a scene has either
+            bool const rescales = stages.find("rescale") != std::string::npos;
+            for (char const* search : {"cell", "brute"}) {
+                if (rescales && std::string_view(search) == "cell") continue;
+                std::string const more = walls ? "\n[walls]\nthickness = 1.3\nstrength = 5.0"
+                                               : fmt::format("\nshear_rate = {}", shear_rate);
+                compare<2>(scene_text(2, stages, "[box]\nlength = [5, 6]" + more, search), 4, done);
+                compare<3>(scene_text(3, stages, "[box]\nlength = [4, 5, 3]" + more, search), 4, done);
             }
+        }
     fmt::print("{} scenes by both engines, {} numbers compared, all equal\n", done.scenes, done.numbers);
 }
 
