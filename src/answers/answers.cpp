@@ -12,8 +12,9 @@
 
 #include "budget.hpp"
 #include "conventions.hpp"
-#include "integrators.hpp"
 #include "derived.hpp"
+#include "files.hpp"
+#include "integrators.hpp"
 #include "picture.hpp"
 #include "run_figure.hpp"
 #include "theory/closed_forms.hpp"

@@ -1,5 +1,5 @@
 /// @file
-/// The two ways in which dpdref gives up, each with one clear line.
+/// The ways in which dpdref gives up, each with one clear line.
 #pragma once
 
 #include <stdexcept>
@@ -13,6 +13,11 @@ struct InputError : std::runtime_error {
 
 /// The simulation left the numbers: at which step, which quantity, what to try. Exit code 3.
 struct Diverged : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// The work was asked to stop and has left what it needs to go on. Exit code 130.
+struct Interrupted : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 

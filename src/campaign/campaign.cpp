@@ -9,7 +9,6 @@
 
 #include "errors.hpp"
 #include "progress.hpp"
-#include "run.hpp"
 
 namespace dpd {
 

@@ -3,38 +3,17 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <fstream>
 
 #include "errors.hpp"
+#include "files.hpp"
 
 namespace dpd {
-
-void write_file(std::filesystem::path const& path, std::string const& content) {
-    auto temporary = path;
-    temporary += ".part";
-    {
-        std::ofstream stream(temporary, std::ios::binary);
-        stream << content;
-        stream.flush();
-        if (!stream) throw InputError(fmt::format("{}: cannot be written", path.string()));
-    }
-    std::filesystem::rename(temporary, path);
-}
 
 std::string quoted(std::string const& plain) {
     std::string q = "\"";
     for (char const c : plain)
         q += c == '"' || c == '\\' ? std::string{'\\', c} : c == '\n' ? "\\n" : std::string{c};
     return q + "\"";
-}
-
-std::optional<std::filesystem::path> find_above(std::filesystem::path const& path, std::string const& name) {
-    auto directory = std::filesystem::absolute(path).lexically_normal();
-    do {
-        directory = directory.parent_path();
-        if (std::filesystem::exists(directory / name)) return directory / name;
-    } while (directory != directory.parent_path());
-    return {};
 }
 
 void draw(std::filesystem::path const& stem, std::filesystem::path const& plot,

@@ -11,6 +11,7 @@
 #include "conventions.hpp"
 #include "errors.hpp"
 #include "exact_answers.hpp"
+#include "files.hpp"
 #include "toml_reader.hpp"
 
 namespace dpd::cli {

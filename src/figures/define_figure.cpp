@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "budget.hpp"
+#include "files.hpp"
 #include "theory/registry.hpp"
 #include "toml_reader.hpp"
 

@@ -7,6 +7,7 @@
 
 #include "comparison_json.hpp"
 #include "errors.hpp"
+#include "files.hpp"
 #include "judge_figure.hpp"
 #include "picture.hpp"
 #include "progress.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "figure_text.hpp"
+#include "files.hpp"
 #include "picture.hpp"
 #include "version.hpp"
 

@@ -8,6 +8,7 @@
 
 #include "comparison_json.hpp"
 #include "figure_text.hpp"
+#include "files.hpp"
 #include "judge_figure.hpp"
 #include "picture.hpp"
 #include "progress.hpp"

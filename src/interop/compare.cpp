@@ -15,6 +15,7 @@
 
 #include "archive.hpp"
 #include "errors.hpp"
+#include "files.hpp"
 #include "judge_figure.hpp"
 #include "run.hpp"
 #include "toml_reader.hpp"

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <chrono>
 
-#include "archive.hpp"
 #include "checkpoint.hpp"
 #include "forces.hpp"
 #include "plain_stages.hpp"
+#include "trajectory.hpp"
 
 namespace dpd {
 namespace {

@@ -7,20 +7,15 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "errors.hpp"
 #include "sample.hpp"
 #include "scene.hpp"
 #include "statistics.hpp"
 
 namespace dpd {
-
-/// The run was asked to stop and has left a checkpoint.
-struct Interrupted : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
 
 /// What a finished run leaves.
 struct RunResult {

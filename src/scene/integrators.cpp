@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "files.hpp"
+
 namespace dpd {
 
 std::vector<std::string> settings_of(TomlReader& reader, std::string const& key) {

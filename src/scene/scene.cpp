@@ -5,88 +5,15 @@
 #include <boost/uuid/name_generator_sha1.hpp>
 #include <boost/uuid/uuid_io.hpp>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <set>
-#include <sstream>
 
+#include "files.hpp"
 #include "theory/closed_forms.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
 
 namespace dpd {
-
-std::string read_file(std::filesystem::path const& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream content;
-    bool const readable = !std::filesystem::is_directory(file) && stream;
-    bool const empty = readable && stream.peek() == std::ifstream::traits_type::eof();
-    if (!readable || (!empty && !(content << stream.rdbuf())))
-        throw InputError(fmt::format("{}: cannot be read", file.string()));
-    return content.str();
-}
-
-toml::table parse_toml(std::string const& text, std::string const& name) {
-    try {
-        return toml::parse(text, name);
-    } catch (toml::parse_error const& error) {
-        throw InputError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
-    }
-}
-
-namespace {
-
-// A bare string as TOML writes it, so that parsing keeps where it came from.
-std::string quoted(std::string const& text) {
-    std::string result = "\"";
-    for (char const c : text) {
-        if (c == '"' || c == '\\')
-            result += fmt::format("\\{}", c);
-        else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-            result += fmt::format("\\u{:04x}", c);
-        else
-            result += c;
-    }
-    return result + "\"";
-}
-
-// The value of an override as a table of one key, "value".
-toml::table parse_value(std::string const& value, std::string const& name) {
-    try {
-        toml::table parsed = toml::parse("value = " + value, name);
-        if (parsed.size() == 1) return parsed;
-    } catch (toml::parse_error const&) {
-        // not TOML: a bare string
-    }
-    return parse_toml("value = " + quoted(value), name);
-}
-
-}  // namespace
-
-void override_key(toml::table& table, std::string const& assignment, std::string const& origin) {
-    auto const equals = assignment.find('=');
-    if (equals == std::string::npos || equals == 0)
-        throw InputError(
-            one_line(fmt::format("{} {}: not an assignment; allowed: table.key=value", origin, assignment)));
-    std::string const path = assignment.substr(0, equals), value = assignment.substr(equals + 1);
-    std::string const name = fmt::format("{} {}", origin, path);
-    toml::table parsed = parse_value(value, name);
-    toml::table* target = &table;
-    std::string key = path;
-    for (auto dot = key.find('.'); dot != std::string::npos; dot = key.find('.')) {
-        std::string const parent = key.substr(0, dot);
-        if (!target->contains(parent)) {
-            toml::table created = parse_value("{}", name);
-            created.get("value")->as_table()->is_inline(false);  // written like a table of the file
-            target->insert(parent, std::move(*created.get("value")));
-        }
-        toml::node* const child = target->get(parent);
-        if (!child->is_table()) throw InputError(fmt::format("{}: {} is not a table", name, parent));
-        target = child->as_table();
-        key.erase(0, dot + 1);
-    }
-    target->insert_or_assign(key, std::move(*parsed.get("value")));
-}
 
 namespace {
 

@@ -13,6 +13,7 @@
 
 #include "budget.hpp"
 #include "errors.hpp"
+#include "files.hpp"
 #include "integrators.hpp"
 #include "picture.hpp"
 #include "run.hpp"

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "budget.hpp"
+#include "files.hpp"
 #include "integrators.hpp"
 #include "picture.hpp"
 #include "progress.hpp"

@@ -18,6 +18,7 @@
 #include "archive.hpp"
 #include "errors.hpp"
 #include "figure.hpp"
+#include "files.hpp"
 #include "judge_figure.hpp"
 #include "run.hpp"
 #include "toml_reader.hpp"

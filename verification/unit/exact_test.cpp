@@ -9,6 +9,7 @@
 
 #include "errors.hpp"
 #include "exact_answers.hpp"
+#include "files.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
 

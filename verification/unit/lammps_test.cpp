@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "analysis.hpp"
+#include "files.hpp"
 #include "run.hpp"
 #include "toml_reader.hpp"
 

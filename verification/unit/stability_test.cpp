@@ -14,6 +14,7 @@
 #include <string>
 
 #include "errors.hpp"
+#include "files.hpp"
 #include "forces.hpp"
 #include "run.hpp"
 #include "theory/closed_forms.hpp"
