@@ -29,7 +29,7 @@ fi
 
 if [ "$job" = figures ]; then
     cmake --preset release
-    cmake --build --preset release
+    cmake --build --preset release --target dpdref
     echo "regenerating all figures at the quick budget; they appear in figures/quick"
     build/release/dpdref figure all --budget quick
 else

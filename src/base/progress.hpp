@@ -1,5 +1,6 @@
 /// @file
-/// A line of progress with the time left, on a terminal only.
+/// Progress and the time left, on standard error: one line that is kept up to date on a terminal, elsewhere a
+/// new line now and then.
 #pragma once
 
 #include <chrono>
@@ -10,8 +11,8 @@ namespace dpd {
 
 class Progress {
 public:
-    /// Silent unless standard error is a terminal.
-    explicit Progress(std::string title);
+    /// Where standard error is no terminal, a line is written after each `interval`; shorter work is silent.
+    explicit Progress(std::string title, std::chrono::duration<double> interval = std::chrono::seconds(30));
     ~Progress();
 
     /// `fraction` of the work is done; safe to call from several threads.
@@ -20,6 +21,7 @@ public:
 private:
     std::string title_;
     bool terminal_;
+    std::chrono::duration<double> interval_;  ///< between two lines, or two states of one
     std::chrono::steady_clock::time_point start_, last_;
     double first_ = -1.0;  ///< fraction found done at the start, by an earlier run
     std::mutex mutex_;

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <exception>
 #include <mutex>
+#include <numeric>
 #include <thread>
 
 #include "errors.hpp"
@@ -32,6 +34,17 @@ std::vector<std::size_t> share_of(std::size_t jobs, Shard const& shard) {
         if (std::size_t const job = round * shard.count + place; job < jobs) share.push_back(job);
     }
     return share;
+}
+
+std::vector<std::size_t> order_of(std::vector<double> const& costs, std::size_t workers) {
+    double const total = std::accumulate(costs.begin(), costs.end(), 0.0);
+    std::vector<std::size_t> order(costs.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    auto const rest = std::stable_partition(order.begin(), order.end(), [&](std::size_t job) {
+        return 10.0 * costs[job] * double(std::max<std::size_t>(1, workers)) > total;
+    });
+    std::stable_sort(order.begin(), rest, [&](std::size_t a, std::size_t b) { return costs[a] > costs[b]; });
+    return order;
 }
 
 bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions const& options) {
@@ -74,8 +87,9 @@ bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions co
         std::vector<std::jthread> threads;
         for (unsigned t = 0; t < std::max(1u, options.jobs); ++t) threads.emplace_back(work);
     }
+    if (stopped())
+        throw Interrupted("interrupted; what was done is kept, the same command goes on from there");
     if (failure) std::rethrow_exception(failure);
-    if (stopped()) throw Interrupted("interrupted; finished runs are kept, run the command again to go on");
     if (options.shard)
         fmt::print(
             "{}: shard {}/{}: {} of {} runs, {} of them were there; when all shards are done, copy their "

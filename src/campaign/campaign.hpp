@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -45,9 +46,9 @@ struct Job {
     std::function<bool(Report const& report)> work;
 };
 
-/// Does the jobs in their order, which is that of their cost, `options.jobs` at a time. Throws the first
-/// error of a job, after which no further one is begun; or Interrupted on `options.stop`. With a shard it
-/// does its share only, says so in one line, and returns false: there is nothing to draw yet.
+/// Does the jobs in their order, `options.jobs` at a time; a shard's share is even if that is of their cost.
+/// Throws the first error of a job, after which no further one is begun; or Interrupted on `options.stop`.
+/// With a shard it does its share only, says so in one line, and returns false: there is nothing to draw yet.
 bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions const& options);
 
 /// A piece of work with a result that several parts of a campaign may ask for, by the same key.
@@ -59,8 +60,13 @@ struct Task {
     std::function<bool(Result& result, Report const& report)> work;
 };
 
-/// The results of all tasks by their keys, those that share a key done once, the longest first, as do_jobs
-/// does them. Nothing with a shard.
+/// The order in which jobs of these costs are begun by so many workers. First what is longer than a tenth of
+/// a worker's share, the longest first, so that no worker is left with a long one at the end; then the others
+/// as they come, so that what belongs together is finished together.
+std::vector<std::size_t> order_of(std::vector<double> const& costs, std::size_t workers);
+
+/// The results of all tasks by their keys, those that share a key done once, as do_jobs does them in the
+/// order of order_of; with a shard the longest first, and nothing is returned.
 template <class Result>
 std::optional<std::map<std::string, Result>> do_once(std::string const& title,
                                                      std::vector<Task<Result>> const& tasks,
@@ -73,8 +79,13 @@ std::optional<std::map<std::string, Result>> do_once(std::string const& title,
             jobs.push_back({task.cost, [&task, &result = place->second](Report const& report) {
                                 return task.work(result, report);
                             }});
-    std::stable_sort(jobs.begin(), jobs.end(), [](Job const& a, Job const& b) { return a.cost > b.cost; });
-    if (!do_jobs(title, std::move(jobs), options)) return {};
+    std::vector<double> costs;
+    for (auto const& job : jobs) costs.push_back(job.cost);
+    std::vector<Job> ordered;
+    for (std::size_t const job :
+         order_of(costs, options.shard ? std::numeric_limits<std::size_t>::max() : options.jobs))
+        ordered.push_back(std::move(jobs[job]));
+    if (!do_jobs(title, std::move(ordered), options)) return {};
     return results;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -52,21 +53,40 @@ struct CampaignChoice {
     }
 };
 
+// Where the figures are, and which to look at first: one that disagrees, or else one that is undecided.
+void print_summary(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
+    std::map<Verdict, std::vector<std::string>> figures;
+    for (auto const& one : comparisons) {
+        auto& of_verdict = figures[judge(one, comparisons.size())];
+        if (of_verdict.empty() || of_verdict.back() != one.figure) of_verdict.push_back(one.figure);
+    }
+    fmt::print("pictures: {}; all numbers: {}\n", (output / "*.png").string(),
+               (output / "report.csv").string());
+    for (Verdict const verdict : {Verdict::disagrees, Verdict::undecided})
+        if (auto const& ids = figures[verdict]; !ids.empty()) {
+            fmt::print("look first at {}: a comparison {}\n", fmt::join(ids, ", "),
+                       verdict == Verdict::disagrees ? "disagrees" : "is undecided");
+            return;
+        }
+}
+
 // Regenerates figures and prints their comparisons; false if one disagrees. A shard only runs.
 bool make_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
                   std::string const& budget, CampaignOptions const& options) {
     std::vector<Figure> figures;
     for (auto const& id : ids) figures.push_back(load_figure(verification, id, budget));
-    auto const run_time = run_points(figures, options);
+    std::map<std::string, std::vector<Comparison>> comparisons;
+    auto const run_time = run_points(figures, options, [&](Figure const& one) {
+        comparisons[one.id] = dpd::compare(one);
+        write_figure(one, comparisons[one.id], budget, options.output);
+    });
     if (!run_time) return true;
     if (ids == figure_ids(verification)) write_run_time(*run_time, budget, options.output);
     std::vector<Comparison> all;
-    for (auto const& one : figures) {
-        auto const comparisons = dpd::compare(one);
-        write_figure(one, comparisons, budget, options.output);
-        all.insert(all.end(), comparisons.begin(), comparisons.end());
-    }
-    return dpd::report(all, options.output);
+    for (auto const& id : ids) all.insert(all.end(), comparisons[id].begin(), comparisons[id].end());
+    bool const agree = dpd::report(all, options.output);
+    print_summary(all, options.output);
+    return agree;
 }
 
 // The study of the integrators, and the figures that are defined beside it.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 #include <set>
 
@@ -153,33 +154,66 @@ Figure measured(Figure const& planned, Results const& results, double fraction) 
     return figure;
 }
 
-std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options) {
+namespace {
+
+// What a campaign has of its figures so far.
+class Progressing {
+public:
+    Progressing(std::vector<Figure>& figures, std::function<void(Figure const&)> const& finished)
+        : figures_(figures), finished_(finished), missing_(figures.size()) {
+        for (std::size_t f = 0; f < figures.size(); ++f)
+            for (auto const& point : figures[f].points)
+                for (auto const& scene : point.runs) missing_[f].insert(scene.key());
+    }
+
+    // Takes a result; measures the figures that lacked it alone.
+    void take(std::string const& key, RunResult const& result) {
+        std::scoped_lock const lock(mutex_);
+        results_[key] = &result;
+        for (std::size_t f = 0; f < figures_.size(); ++f) {
+            if (missing_[f].erase(key) == 0 || !missing_[f].empty()) continue;
+            Figure& figure = figures_[f];
+            auto convergence = converge(figure, results_);
+            figure = measured(figure, results_);
+            figure.convergence = std::move(convergence);
+            if (finished_) finished_(figure);
+        }
+    }
+
+private:
+    std::vector<Figure>& figures_;
+    std::function<void(Figure const&)> const& finished_;
+    std::vector<std::set<std::string>> missing_;  // keys of the runs that each figure lacks
+    Results results_;
+    std::mutex mutex_;
+};
+
+}  // namespace
+
+std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options,
+                                  std::function<void(Figure const&)> const& finished) {
+    Progressing progressing(figures, finished);
     std::vector<Task<RunResult>> tasks;
     for (auto const& figure : figures)
         for (auto const& point : figure.points)
             for (auto const& scene : point.runs) {
                 std::string const key = scene.key();
-                tasks.push_back({key, cost_of(scene),
-                                 [&scene, &options, file = options.cache / (key + ".h5")](
-                                     RunResult& result, Report const& report) {
-                                     result = run(scene,
-                                                  {.output = file, .stop = options.stop, .progress = report});
-                                     return result.from_cache;
-                                 }});
+                tasks.push_back(
+                    {key, cost_of(scene),
+                     [scene, key, &options, &progressing](RunResult& result, Report const& report) {
+                         result = run(scene, {.output = options.cache / (key + ".h5"),
+                                              .stop = options.stop,
+                                              .progress = report});
+                         if (!options.shard) progressing.take(key, result);
+                         return result.from_cache;
+                     }});
             }
-    auto const finished = do_once("figures", tasks, options);
-    if (!finished) return {};
-    Results results;
+    auto const results = do_once("figures", tasks, options);
+    if (!results) return {};
     RunTime run_time;
-    for (auto const& [key, result] : *finished) {
-        results[key] = &result;
+    for (auto const& [key, result] : *results) {
         ++run_time.runs;
         run_time.seconds += result.seconds;
-    }
-    for (auto& figure : figures) {
-        auto convergence = converge(figure, results);
-        figure = measured(figure, results);
-        figure.convergence = std::move(convergence);
     }
     return run_time;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,9 +21,11 @@ struct RunTime {
     double seconds = 0.0;  ///< of one core
 };
 
-/// Runs what the cache lacks, the longest runs first, `jobs` at a time. Throws the first error of a run.
-/// Nothing if options name a shard: the figures are then as they were.
-std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options);
+/// Runs what the cache lacks, `jobs` at a time, and measures each figure when its last run is there, of which
+/// `finished` is told, one figure at a time. Throws the first error of a run. Nothing if options name a
+/// shard: the figures are then as they were.
+std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions const& options,
+                                  std::function<void(Figure const&)> const& finished = {});
 
 /// Finished runs by the keys of their scenes.
 using Results = std::map<std::string, RunResult const*>;

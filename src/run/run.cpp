@@ -141,8 +141,9 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
                     last_checkpoint = now;
                 }
                 if (stop)
-                    throw Interrupted(
-                        fmt::format("interrupted at step {} of {}", simulation.step, scene.steps()));
+                    throw Interrupted(fmt::format(
+                        "interrupted at step {} of {}; {}", simulation.step, scene.steps(),
+                        file ? "the same command goes on from there" : "without --out nothing is kept"));
             }
         } catch (Diverged const& divergence) {
             if (file)

@@ -1,14 +1,21 @@
 /// @file
-/// Campaigns: what a shard does, and that all shards of a campaign do all of it, each run once.
+/// Campaigns: what a shard does, and that all shards of a campaign do all of it, each run once; what they say
+/// meanwhile and when they are interrupted.
 #define BOOST_TEST_MODULE campaign
 #include "campaign.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <boost/test/unit_test.hpp>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 
 #include "errors.hpp"
+#include "progress.hpp"
+#include "run.hpp"
 
 using namespace dpd;
 
@@ -45,6 +52,17 @@ BOOST_AUTO_TEST_CASE(shards_cost_about_the_same) {
     }
 }
 
+// Costs of two figures' runs, one after the other: 100 in all, so that 5 is a tenth of the share of one of
+// two.
+BOOST_AUTO_TEST_CASE(long_jobs_come_first_and_the_others_as_they_belong_together) {
+    std::vector<double> const costs{4, 20, 5, 3, 2, 30, 1, 6, 29};
+    BOOST_TEST(order_of(costs, 2) == (std::vector<std::size_t>{5, 8, 1, 7, 0, 2, 3, 4, 6}),
+               boost::test_tools::per_element());
+    BOOST_TEST(order_of(costs, 1000) == (std::vector<std::size_t>{5, 8, 1, 7, 2, 0, 3, 4, 6}),
+               boost::test_tools::per_element());
+    BOOST_TEST(order_of({}, 2).empty());
+}
+
 BOOST_AUTO_TEST_CASE(a_shard_is_named_by_two_integers) {
     auto const shard = shard_from_text("3/8");
     BOOST_TEST(shard.number == 3u);
@@ -78,4 +96,44 @@ BOOST_AUTO_TEST_CASE(a_shard_does_its_jobs_and_no_other) {
     }
     BOOST_TEST(do_jobs("test", jobs, {}));
     for (int const times : done) BOOST_TEST(times == 2);
+}
+
+BOOST_AUTO_TEST_CASE(an_interrupted_campaign_says_how_to_go_on) {
+    std::atomic<bool> stop = false;
+    std::vector<Job> const jobs(3, {1.0, [&stop](auto const&) -> bool {
+                                        stop = true;
+                                        throw Interrupted("interrupted at step 3 of 5");
+                                    }});
+    CampaignOptions options;
+    options.stop = &stop;
+    BOOST_CHECK_EXCEPTION(do_jobs("test", jobs, options), Interrupted, [](Interrupted const& interrupted) {
+        return std::string(interrupted.what()).find("the same command goes on") != std::string::npos;
+    });
+}
+
+BOOST_AUTO_TEST_CASE(progress_in_a_file_is_a_line_now_and_then) {
+    auto const written = [](std::chrono::duration<double> interval) {
+        std::FILE* const file = std::tmpfile();
+        int const before = ::dup(STDERR_FILENO);
+        ::dup2(::fileno(file), STDERR_FILENO);
+        {
+            Progress progress("figures", interval);
+            for (double const fraction : {0.25, 0.5, 1.0}) progress(fraction);
+        }
+        std::fflush(stderr);
+        ::dup2(before, STDERR_FILENO);
+        ::close(before);
+        std::rewind(file);
+        std::string text(1000, ' ');
+        text.resize(std::fread(text.data(), 1, text.size(), file));
+        std::fclose(file);
+        return text;
+    };
+    auto const lines = written(std::chrono::seconds(0));
+    BOOST_TEST(std::count(lines.begin(), lines.end(), '\n') == 3);
+    BOOST_TEST(lines.starts_with("figures: 25.0 % done after "), lines);
+    BOOST_TEST(lines.find(" ? left\nfigures: 50.0 % done after ") != std::string::npos, lines);
+    BOOST_TEST(lines.ends_with(" 0.0 s left\n"), lines);
+    BOOST_TEST(lines.find('\r') == std::string::npos);
+    BOOST_TEST(written(std::chrono::hours(1)).empty());
 }

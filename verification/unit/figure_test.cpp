@@ -575,8 +575,12 @@ BOOST_AUTO_TEST_CASE(points_share_runs_and_join_curves) {
                          "'shardlow.friction' = 2\n")),
         load(with_curves("[[curve]]\nname = 'again'\n" + vary + "[1]\n" + at_rest))};
     auto const cache = directory / "cache";
-    auto const run_time = run_points(pair, {.cache = cache, .output = directory, .jobs = 2});
+    std::vector<Figure const*> finished;
+    auto const run_time = run_points(pair, {.cache = cache, .output = directory, .jobs = 2},
+                                     [&](Figure const& figure) { finished.push_back(&figure); });
     BOOST_REQUIRE(run_time.has_value());
+    std::sort(finished.begin(), finished.end());
+    BOOST_TEST((finished == std::vector<Figure const*>{&pair[0], &pair[1]}));
     BOOST_TEST(run_time->runs == 2u * 5u);
     BOOST_TEST(run_time->seconds <
                pair[0].seconds + pair[1].seconds);  // a run that figures share counts once
