@@ -3,7 +3,9 @@
 
 A command is: a line of a fenced sh block; of an indented block that begins with one; an inline span that begins with
 `dpdref `, `ctest `, `cmake `, `python3 verification/` or `sh verification/`. The book's generated pages count, too. A
-command must end with exit code 0 and print something, within a limit of CPU time. RULES lists those that are not run as
+command must end with exit code 0 and print something, within a limit of CPU time; the pages' commands run one after
+the other, as on the page, and what README.md exports is there for all of them. What they leave behind must be ignored by
+git, where there is git. RULES lists those that are not run as
 they stand, what runs in their place, and why. Blocks of docs/*.md whose first line is "# file: figure.toml" or
 "# file: plot.gp" become the figure that the page's `dpdref figure ID` draws.
 
@@ -28,7 +30,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-CLONE = ("CMakeLists.txt", "CMakePresets.json", "CITATION.cff", "LICENSE", "README.md", "dpdrefConfig.cmake.in",
+CLONE = (".gitignore", "CMakeLists.txt", "CMakePresets.json", "CITATION.cff", "LICENSE", "README.md", "dpdrefConfig.cmake.in",
          "docs", "figures", "src", "theory", "verification")
 BUILT = ("dpdref", "libdpdref_engine.a", "libdpdref_theory.a")
 BEGINS = re.compile(r"(dpdref|ctest|cmake)\s|(python3|sh) verification/")
@@ -42,11 +44,16 @@ RULES = [
     # long: `sh verification/fresh.sh` alone prints its usage, which must have the word
     (r"sh verification/fresh\.sh (\w+)", r"sh verification/fresh.sh 2>&1 | grep -w '\1'",
      "installs packages and builds everything"),
+    (r"sh verification/tools/machine\.sh (\w+).*", r"sh verification/tools/machine.sh 2>&1 | grep -w '\1'",
+     "installs packages and builds everything"),
+    (r"cmake --preset \w+ --toolchain (\S+) -DDPDREF_SYSROOT=FOLDER", r"ls \1",
+     "needs a cross compiler; the file must exist"),
     # Definitions are read before the cache is made, here below a file, which fails: no run begins.
     (r"(dpdref (?:figure (?!ID)|stability|work-precision|answers).*)", r"\1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'",
      f"{LONG}; reads the definitions only (figure_test runs small ones)"),
     (r"(dpdref run .* --set time\.duration=5000)", r"\1 --set time.duration=5 --set time.equilibration=1",
      f"{LONG}; shortened"),
+    (r"(dpdref run .* --set time\.duration=20000 .*)", r"\1 --set time.duration=50", f"{LONG}; shortened"),
     (r"(dpdref run .* --set time\.equilibration=500)", r"\1 --set time.equilibration=1 --set time.duration=5",
      f"{LONG}; shortened"),
     (r"(dpdref run damping\.toml).*", r"\1 2>&1 | grep damping",
@@ -69,8 +76,9 @@ RULES = [
      "that test runs beside this one; it must exist"),
     (r"build/release/dpdref_benchmark", r"grep 'add_executable(dpdref_benchmark' CMakeLists.txt",
      f"{LONG}, and needs Google Benchmark; must be a target"),
-    (r"(cmake --install build/release --prefix) /usr/local", r"\1 prefix && prefix/bin/dpdref --version",
+    (r"(cmake --install build/release --prefix) /usr/local", r"\1 build/prefix && build/prefix/bin/dpdref --version",
      "into the copy"),
+    (r"\(cd (\w+); lmp -in (\S+)\)", r"ls \1/\2", "needs LAMMPS; its input must be there"),
     # placeholders, and names
     (r"dpdref figure ID\.\.\. \| all \[--budget quick\|paper\] \[--jobs N\]",
      "dpdref figure my1 --budget paper --jobs 1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'", "syntax"),
@@ -78,7 +86,8 @@ RULES = [
     (r"(dpdref theory) ([\w-]+)", r"\1 | grep '^\2 '", NAMED),
     (r"(dpdref (?:run|figure|compare|export lammps))", r"\1 --help", NAMED),
     (r"(dpdref compare) \S+ (--answer (\S+))",
-     r"(echo quantity,value,error,blocks; grep '^\3,' figures/answers/answers.csv | cut -d, -f2-5) > own.csv && \1 own.csv \2",
+     r"(echo quantity,value,error,blocks; grep '^\3,' figures/answers/answers.csv | cut -d, -f2-5) > build/own.csv && "
+     r"\1 build/own.csv \2",
      "needs another code's output; the answer's own numbers must agree"),
     (r"dpdref run SCENE\.toml", "dpdref run verification/scenes/ideal_gas_rest.toml", "syntax"),
     (r"dpdref run --json", "dpdref run verification/scenes/ideal_gas_shear.toml --json --set time.duration=5 "
@@ -190,13 +199,20 @@ def collect(root, generated=()):
 
 # --- running
 
+environment = dict(os.environ)  # and what the pages' commands export
+
+
+def export(name, value, root):
+    """As the shell would: with its quotes and variables"""
+    environment[name] = subprocess.run(["sh", "-c", f"printf %s {value}"], cwd=root, env=environment,
+                                       stdout=subprocess.PIPE, text=True, check=True).stdout
+
 
 def run(command, root, cpu_limit=CPU_LIMIT):
     """(None or what went wrong, output)"""
     def limited():
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_limit, cpu_limit))
 
-    environment = dict(os.environ, PATH=f"{root}/build/release:{os.environ['PATH']}")
     try:
         result = subprocess.run(["sh", "-c", command], cwd=root, env=environment, stdin=subprocess.DEVNULL,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=WALL_LIMIT,
@@ -244,6 +260,22 @@ def generated_pages(root):
     return sorted(made.glob("*.md"))
 
 
+def tracked(root):
+    """Makes the copy a repository that has all of its files, where there is git"""
+    if shutil.which("git"):
+        subprocess.run("git init -q && git add -A", shell=True, cwd=root, check=True)
+    else:
+        print("no git here: what the commands leave behind is not looked at")
+
+
+def left_behind(root):
+    """Files that git would take for new ones"""
+    if not shutil.which("git"):
+        return []
+    return subprocess.run(["git", "ls-files", "--others", "--exclude-standard", "--directory"], cwd=root,
+                          stdout=subprocess.PIPE, text=True, check=True).stdout.split()
+
+
 def all_commands(root, configured):
     commands, scenes, figures = collect(root, generated_pages(root))
     for file, text in scenes.items():
@@ -253,13 +285,21 @@ def all_commands(root, configured):
         for file, text in files.items():
             (root / "verification" / name / file).write_text(text, encoding="utf-8")
     counts = {"ok": 0, "rule": 0, "failed": 0}
+    tracked(root)
     for page, command in commands:
+        if variable := re.fullmatch(r"export (\w+)=(\S.*)", command):
+            export(*variable.groups(), root)
+            counts["ok"] += 1
+            continue
         instead, reason = in_place_of(command, figures)
         wrong, output = run(instead, root)
         if wrong and "--target docs" in command and "No target docs" in configured:
             wrong, reason = None, "no Doxygen here, so no target docs"
         counts["failed" if wrong else "rule" if reason else "ok"] += 1
         show(f"rule ({reason})" if reason else "ok", command, page, wrong, output)
+    for file in left_behind(root):
+        counts["failed"] += 1
+        print(f"FAILED  {file} is left behind, and not ignored by git")
     print(f"{len(commands)} commands: {counts['ok']} ran as they stand, {counts['rule']} by a rule, "
           f"{counts['failed']} failed; {resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime:.0f} s of CPU time")
     return counts["failed"]
