@@ -197,13 +197,23 @@ public:
     EncounterSolver(Encounter const& pair, int rank, int degree)
         : pair_(pair), degree_(degree), basis_(pair.d, rank, degree), mesh_(pair.d) {}
 
-    /// What the medium and the partner take from a function of the velocity per unit time.
     // [rate]
+    /// What the medium and the partner take from a function of the velocity per unit time. In steps c of it
+    /// is left after a collision, and the rate is (2/step) (1 - c)/(1 + c).
     double rate(VelocityFunction const& f, double r) const {
-        return pair_.medium * f.degree() + 2.0 * friction(r) * f.i;
+        if (pair_.step == 0.0) return pair_.medium * f.degree() + 2.0 * friction(r) * f.i;
+        double const c = kept(f, r);
+        return 2.0 / pair_.step * (1.0 - c) / (1.0 + c);
+    }
+    double kept(VelocityFunction const& f, double r) const {
+        return std::exp(-pair_.medium * pair_.step * f.degree()) * std::pow(1.0 - 2.0 * collision(r), f.i);
     }
     // [rate]
     double friction(double r) const { return pair_.friction * weight_at(pair_.weight, r); }
+    /// A of the pair's collision.
+    double collision(double r) const { return update_a(pair_.scheme, friction(r) * pair_.step); }
+    /// A/step, which is w in continuous time.
+    double impulse(double r) const { return pair_.step == 0.0 ? friction(r) : collision(r) / pair_.step; }
 
     int unknowns() const { return mesh_.nodes() * even_count(); }
 
@@ -240,15 +250,31 @@ public:
 
     Eigen::VectorXd solve(Eigen::VectorXd const& source) const { return cholesky_.solve(source); }
 
-    /// A source amplitude(r) in the odd function f: its share in the equation of the even functions, and what
-    /// it remembers before it streams at all.
+    /// Sources are functions of the velocity times amplitudes amplitude(r). Of a step the solution needs them
+    /// times 2/(1 + c), and what the equal factors at the same step would add is taken away (2).
+    // [source]
+    template <class Amplitude>
+    double at_same_step(VelocityFunction f, Amplitude const& amplitude) const {
+        double sum = 0.0;
+        for_each_point_in_range([&](int, Point const& point) {
+            sum += point.volume * pair_.step * square(amplitude(point.r)) / (1.0 + kept(f, point.r));
+        });
+        return sum;
+    }
+    double enhanced(VelocityFunction f, double r, double amplitude) const {
+        return pair_.step == 0.0 ? amplitude : 2.0 * amplitude / (1.0 + kept(f, r));
+    }
+    // [source]
+
+    /// A source in the odd function f: its share in the equation of the even functions, and what it
+    /// remembers before it streams at all.
     template <class Amplitude>
     std::pair<Eigen::VectorXd, double> odd_source(VelocityFunction f, Amplitude const& amplitude) const {
         Eigen::VectorXd source = Eigen::VectorXd::Zero(unknowns());
         double at_once = 0.0;
         int const o = basis_.odd_index(f.m, f.i, f.p);
         for_each_point_in_range([&](int element, Point const& point) {
-            double const a = amplitude(point.r), relaxed = a / rate(f, point.r);
+            double const a = enhanced(f, point.r, amplitude(point.r)), relaxed = a / rate(f, point.r);
             at_once += point.volume * a * relaxed;
             for (auto const& coupling : basis_.streaming[o])
                 add(source, element, coupling.from,
@@ -257,12 +283,12 @@ public:
         return {source, at_once};
     }
 
-    /// A source amplitude(r) in the even function f, added to `source`.
+    /// A source in the even function f, added to `source`.
     template <class Amplitude>
     void add_even_source(Eigen::VectorXd& source, VelocityFunction f, Amplitude const& amplitude) const {
         int const k = basis_.even_index(f.m, f.i, f.p);
         for_each_point_in_range([&](int element, Point const& point) {
-            add(source, element, k, point.volume * amplitude(point.r) * point.shape);
+            add(source, element, k, point.volume * enhanced(f, point.r, amplitude(point.r)) * point.shape);
         });
     }
 
@@ -331,6 +357,8 @@ void check(Encounter const& pair, int degree) {
     for (double const rate : {pair.friction, pair.medium})
         if (!(rate > 0.0) || !std::isfinite(rate))
             throw std::invalid_argument("the frictions of an encounter must be positive and finite");
+    if (!(pair.step >= 0.0) || !std::isfinite(pair.step))
+        throw std::invalid_argument("the step of an encounter must be zero or positive and finite");
     if (degree < 2 || degree % 2 != 0)
         throw std::invalid_argument("the degree of an encounter must be even and at least 2");
 }
@@ -347,12 +375,14 @@ constexpr VelocityFunction u_r_u_t{1, 1, 0};  ///< u_r u_t, normalized
 Bounds force_memory(Encounter const& pair, int degree) {
     check(pair, degree);
     EncounterSolver solver(pair, 1, degree);
-    auto const [source, at_once] =
-        solver.odd_source(u_r, [&](double r) { return speed * solver.friction(r); });
+    auto const f = [&](double r) { return speed * solver.impulse(r); };
+    auto const [source, at_once] = solver.odd_source(u_r, f);
+    double const same_step = solver.at_same_step(u_r, f);
+    double const kept = std::exp(-pair.medium * pair.step);  // half a step of the medium at either end
     std::array<double, 2> memory{};
     for (bool const with_highest : {false, true}) {
         solver.factorize(with_highest);
-        memory[with_highest] = at_once - source.dot(solver.solve(source));
+        memory[with_highest] = kept * (at_once - source.dot(solver.solve(source)) - same_step);
     }
     return bounds(memory[0], memory[1]);
 }
@@ -365,18 +395,26 @@ StressMemory stress_memory(Encounter const& pair, int degree) {
     EncounterSolver solver(pair, 2, degree);
     double const size = std::sqrt((d - 1.0) / d);             // of the tensor r^ r^ less its trace
     double const components = 1.0 / ((d - 1.0) * (d + 2.0));  // <T_xy U_xy> = <T:U> times this
-    auto const w = [&](double r) { return solver.friction(r); };
-    auto const [s, at_once] = solver.odd_source(u_r, [&](double r) { return speed * size * w(r) * r; });
+    auto const s_along = [&](double r) { return speed * size * solver.impulse(r) * r; };
+    auto const B_along = [&](double r) {
+        return -4.0 * std::numbers::sqrt2 * size * solver.impulse(r) * (1.0 - solver.collision(r));
+    };
+    auto const B_across = [&](double r) { return -2.0 * std::sqrt(2.0 * (d - 1.0)) * solver.impulse(r); };
+    auto const [s, at_once] = solver.odd_source(u_r, s_along);
     Eigen::VectorXd B = Eigen::VectorXd::Zero(solver.unknowns());
-    solver.add_even_source(B, u_r_u_r, [&](double r) { return -4.0 * std::numbers::sqrt2 * size * w(r); });
-    solver.add_even_source(B, u_r_u_t, [&](double r) { return -2.0 * std::sqrt(2.0 * (d - 1.0)) * w(r); });
+    solver.add_even_source(B, u_r_u_r, B_along);
+    solver.add_even_source(B, u_r_u_t, B_across);
+    double const s_same_step = solver.at_same_step(u_r, s_along);
+    double const B_same_step = solver.at_same_step(u_r_u_r, B_along) + solver.at_same_step(u_r_u_t, B_across);
+    // half a step of the medium at either end, of first degree in s and of second in B
+    auto const kept = [&](double ends) { return components * std::exp(-ends * pair.medium * pair.step); };
     std::array<double, 2> collision{}, relaxation{}, cross{};
     for (bool const with_highest : {false, true}) {
         solver.factorize(with_highest);
         Eigen::VectorXd const of_s = solver.solve(s), of_B = solver.solve(B);
-        collision[with_highest] = components * (at_once - s.dot(of_s));
-        relaxation[with_highest] = components * B.dot(of_B);
-        cross[with_highest] = -components * s.dot(of_B);
+        collision[with_highest] = kept(1.0) * (at_once - s.dot(of_s) - s_same_step);
+        relaxation[with_highest] = kept(2.0) * (B.dot(of_B) - B_same_step);
+        cross[with_highest] = -kept(1.5) * s.dot(of_B);
     }
     return {bounds(collision[0], collision[1]), bounds(relaxation[0], relaxation[1]),
             bounds(cross[0], cross[1])};

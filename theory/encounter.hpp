@@ -6,17 +6,21 @@
 /// distance of the two, g their relative velocity, r^ the unit vector between them, [f] a volume integral.
 #pragma once
 
+#include "scheme.hpp"
 #include "weight.hpp"
 
 namespace dpd::theory {
 
 /// A pair with the friction w(r) = friction weight(r), in a medium that exerts the friction `medium` on
-/// either of the two.
+/// either of the two. In continuous time (step = 0), or in steps: all collide once, A = A(w step) by the
+/// scheme and the medium keeps exp(-medium step) of a velocity, then all drift.
 struct Encounter {
     int d = 3;
     Weight weight = Weight::linear;
     double friction = 0.0;
     double medium = 0.0;  ///< rate at which the medium alone would relax a velocity
+    double step = 0.0;
+    Scheme scheme = Scheme::shardlow;
 };
 
 /// A number known from both sides. The mean of the bounds is much closer to it than either.
@@ -26,14 +30,18 @@ struct Bounds {
 };
 
 /// \f$\int d\mathbf r\int_0^\infty dt\,\langle f(0)f(t)\,\hat{\mathbf r}_0\cdot\hat{\mathbf r}_t\rangle\f$
-/// with \f$f=w\,\hat{\mathbf r}\cdot\mathbf g\f$: what the force of one partner remembers of itself.
-/// `degree` (even, >= 2) is the highest degree of the polynomials in the velocity. Throws
-/// std::invalid_argument unless d is 2 or 3, the frictions are positive and the degree is allowed.
+/// with \f$f=w\,\hat{\mathbf r}\cdot\mathbf g\f$: what the force of one partner remembers of itself. In steps
+/// \f$w\f$ is A/step, and the integral the sum over all later steps times the step.
+/// `degree` (even, >= 2) is the highest degree of the polynomials in the velocity. The drift of a step enters
+/// with its first two moments, which is exact for distances that change little in a step. Throws
+/// std::invalid_argument unless d is 2 or 3, the frictions are positive, the step is not negative and the
+/// degree is allowed.
 Bounds force_memory(Encounter const& pair, int degree);
 
 /// The same for stresses, with \f$s=w\,r\,\hat x\hat y\,(\hat{\mathbf r}\cdot\mathbf g)\f$, the stress that
 /// the pair's friction carries, and \f$B=-w(\hat{\mathbf r}\cdot\mathbf g)(\hat xg_y+\hat yg_x)+4w\,\hat
-/// x\hat y\f$, the rate at which it changes \f$g_xg_y/2\f$.
+/// x\hat y\f$, the rate at which it changes \f$g_xg_y/2\f$; in steps both are changes in a collision over the
+/// step.
 struct StressMemory {
     Bounds collision;   ///< \f$\int\int\langle s(0)s(t)\rangle\f$
     Bounds relaxation;  ///< \f$\int\int\langle B(0)B(t)\rangle\f$

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "encounter.hpp"
+#include "rows.hpp"
 
 namespace dpd::theory {
 namespace {
@@ -35,56 +36,100 @@ struct Parts {
     Number transverse, longitudinal;
 };
 
-/// s_k: the friction tensor w r^ r^ at the wave number k over that at 0.
+/// How a wave of number k feels the friction of a pair, over what a particle feels: s_k, of the tensor w r^
+/// r^, and of the friction stress w r r^ r^ r^.
+struct Sharing {
+    Parts<double> current;
+    double stress;
+};
 // [sharing]
-Parts<double> sharing(int d, Weight weight, double k) {
-    // averages over directions of exp(i k.r) times the squares of the components of r^
+Sharing sharing(int d, Weight weight, double k) {
+    // averages of exp(i k.r) over directions, x = kr: of all, of one squared component of r^ across k, and
+    // minus the slope of that
+    auto const all = [=](double x) {
+        return d == 2 ? boost::math::cyl_bessel_j(0, x) : boost::math::sinc_pi(x);
+    };
     auto const across = [=](double x) {
         if (x < 1e-2) return (1.0 - x * x / (2.0 * (d + 2.0)) * (1.0 - x * x / (4.0 * (d + 4.0)))) / d;
         return d == 2 ? boost::math::cyl_bessel_j(1, x) / x : boost::math::sph_bessel(1, x) / x;
     };
-    auto const all = [=](double x) {
-        return d == 2 ? boost::math::cyl_bessel_j(0, x) : boost::math::sinc_pi(x);
+    auto const slope = [=](double x) {
+        if (x < 1e-2) return x / (d * (d + 2.0)) * (1.0 - x * x / (2.0 * (d + 4.0)));
+        return d == 2 ? boost::math::cyl_bessel_j(2, x) / x : boost::math::sph_bessel(2, x) / x;
     };
-    auto const w = [=](double r) { return weight_at(weight, r); };
-    double const transverse = volume_integral(d, 1.0, [&](double r) { return w(r) * across(k * r); });
-    double const both = volume_integral(d, 1.0, [&](double r) { return w(r) * all(k * r); });
-    double const at_zero = volume_integral(d, 1.0, w) / d;
-    return {transverse / at_zero, (both - (d - 1) * transverse) / at_zero};
+    auto const weighted = [=](auto const& f) {
+        return volume_integral(d, 1.0, [&](double r) { return weight_at(weight, r) * f(r); });
+    };
+    double const at_zero = weighted([](double) { return 1.0; }) / d;
+    double const transverse = weighted([&](double r) { return across(k * r); });
+    double const both = weighted([&](double r) { return all(k * r); });
+    return {{transverse / at_zero, (both - (d - 1) * transverse) / at_zero},
+            weighted([&](double r) { return r * slope(k * r); }) / at_zero};
 }
 // [sharing]
 
-/// Laplace transforms at z of what a particle of friction zeta keeps for itself: E, the correlation of exp(i
-/// k.r), and Phi_s, that of its current. Brinkman's continued fraction.
+/// A medium of friction zeta in steps: exp(-zeta step) is left of a velocity after a collision, of the n-th
+/// power exp(-n zeta step). step = 0 is continuous time.
+struct Medium {
+    double zeta, step;
+
+    /// (2/step) (1 - c)/(1 + c) of what keeps exp(-rate step) = c; the step times the sum over steps of that,
+    /// the first half, is the inverse.
+    // [step rate]
+    double step_rate(double rate) const {
+        return step == 0.0 ? rate : 2.0 / step * std::tanh(0.5 * rate * step);
+    }
+    // [step rate]
+};
+
+/// What a particle keeps for itself, step times sums over j >= 1 of exp(-i omega j) times: E, the correlation
+/// of exp(i k.r), and Phi_s, that of its current. Brinkman's continued fraction. z is (2 i/step) tan(omega
+/// step/2), or i omega in continuous time.
 struct SingleParticle {
     Complex density;
     Parts<Complex> current;
 };
 // [single particle]
-SingleParticle single_particle(double zeta, double k, Complex z) {
+SingleParticle single_particle(Medium const& medium, double k, Complex z) {
     constexpr int depth = 60;
-    double const k2 = square(k);
-    struct Fraction {
-        Complex density, along;
+    double const k2 = square(k), h = 0.5 * medium.step;
+    auto const level = [&](int n) {
+        double const t = medium.step_rate(n * medium.zeta);
+        return (z + t) / (1.0 + square(h) * z * t);
     };
-    auto const fraction = [&](Complex at) {
-        // below the last level kept, the fraction repeats itself
-        Complex const last = at + depth * zeta;
-        Complex level = 2.0 / (last + std::sqrt(last * last + 4.0 * (depth + 1.0) * k2));
-        for (int j = depth - 1; j >= 1; --j)
-            level = 1.0 / (at + static_cast<double>(j) * zeta + (j + 1.0) * k2 * level);
-        return Fraction{1.0 / (at + k2 * level), level};
+    // 1/(level(from) + factor k^2/(level(from + 1) + (factor + 1) k^2/(...))); below the last it repeats
+    // itself
+    auto const fraction = [&](int from, int factor) {
+        Complex const last = level(from + depth);
+        Complex below =
+            2.0 / (last + std::sqrt(last * last + 4.0 * static_cast<double>(factor + depth) * k2));
+        for (int n = depth - 1; n >= 0; --n)
+            below = 1.0 / (level(from + n) + static_cast<double>(factor + n) * k2 * below);
+        return below;
     };
-    Fraction const here = fraction(z);
-    return {here.density, {fraction(z + zeta).density, z * here.along * here.density}};
+    double const kept = std::exp(-medium.zeta * medium.step);
+    double const t = medium.step_rate(medium.zeta);
+    // from the resolvent in z to the sum over steps, of what is kept whole and of a velocity
+    auto const of_density = [&](Complex resolvent) {
+        return (1.0 - square(h) * z * z) * resolvent - h * (1.0 - h * z);
+    };
+    auto const of_velocity = [&](Complex resolvent) {
+        Complex const share = 2.0 / (1.0 + kept) / (1.0 + square(h) * t * z);
+        return kept * share * (1.0 - h * z) * (share * (1.0 + h * z) * resolvent - h);
+    };
+    Complex const second = fraction(2, 2);
+    Complex const density = 1.0 / (level(0) + k2 / (level(1) + 2.0 * k2 * second));
+    Complex const along = level(0) / (level(0) * (level(1) + 2.0 * k2 * second) + k2);
+    return {of_density(density), {of_velocity(fraction(1, 1)), of_velocity(along)}};
 }
 // [single particle]
 
-/// What one wave of the fluid does, as integrals over time that Parseval's theorem takes to frequencies.
+/// What one wave of the fluid does, as sums over steps (integrals over time) that Parseval's theorem takes to
+/// frequencies.
 class Wave {
 public:
-    Wave(int d, Weight weight, double zeta, double k)
-        : d_(d), zeta_(zeta), k_(k), share_(sharing(d, weight, k)) {}
+    Wave(int d, Weight weight, Medium const& medium, double k)
+        : d_(d), medium_(medium), k_(k), share_(sharing(d, weight, k)) {}
 
     // [returned]
     /// Momentum that comes back to a particle, as a share of what it has lost.
@@ -101,8 +146,15 @@ public:
     }
     /// v_x v_y of the others, beyond what each gets straight from the particle.
     double others_stress() const {
-        return 2.0 * zeta_ * over_time([&](SingleParticle const& single) {
+        return medium_.step_rate(2.0 * medium_.zeta) * over_time([&](SingleParticle const& single) {
                    return stress(others(single)) - stress(straight(single));
+               });
+    }
+    /// Memory of the friction stress of a pair that others take over.
+    double collision_stress() const {
+        return square(medium_.zeta * share_.stress) * (2.0 / d_ - 4.0 / (d_ * (d_ + 2.0))) *
+               over_time([&](SingleParticle const& single) {
+                   return product(others(single).transverse, single.density);
                });
     }
     // [returned]
@@ -111,17 +163,25 @@ private:
     static double product(Complex a, Complex b) { return std::real(a * std::conj(b)); }
 
     // [current]
+    /// What the others get in a collision of what the particle is left with, per time.
+    double handed(double share) const {
+        double const rate = medium_.zeta * share;
+        return medium_.step == 0.0 ? rate : std::expm1(rate * medium_.step) / medium_.step;
+    }
     /// Current of the others for one of the particle: handed over once ...
     Parts<Complex> straight(SingleParticle const& single) const {
-        auto const [across, along] = single.current;
-        return {zeta_ * share_.transverse * across * across, zeta_ * share_.longitudinal * along * along};
+        auto const once = [&](double share, Complex self) {
+            return handed(share) * self * (medium_.step + self);
+        };
+        return {once(share_.current.transverse, single.current.transverse),
+                once(share_.current.longitudinal, single.current.longitudinal)};
     }
     /// ... or any number of times, Phi - Phi_s.
     Parts<Complex> others(SingleParticle const& single) const {
         auto const once = straight(single);
-        auto const [across, along] = single.current;
-        return {once.transverse / (1.0 - zeta_ * share_.transverse * across),
-                once.longitudinal / (1.0 - zeta_ * share_.longitudinal * along)};
+        return {
+            once.transverse / (1.0 - handed(share_.current.transverse) * single.current.transverse),
+            once.longitudinal / (1.0 - handed(share_.current.longitudinal) * single.current.longitudinal)};
     }
     // [current]
 
@@ -131,23 +191,26 @@ private:
         return product(a, a) + 2.0 / d_ * product(a, c) + 2.0 / (d_ * (d_ + 2.0)) * product(c, c);
     }
 
-    double returned() const { return zeta_ * square(share_.transverse) * (d_ - 1.0) / d_; }
+    double returned() const { return medium_.zeta * square(share_.current.transverse) * (d_ - 1.0) / d_; }
 
     template <class Integrand>
     double over_time(Integrand const& integrand) const {
         thread_local boost::math::quadrature::exp_sinh<double> integrator(9);
         constexpr double tolerance = 1e-7;
         // the frequencies that count fall with k^2, as diffusion has it
-        double const scale = zeta_ * std::min(1.0, square(k_));
+        double const scale = medium_.zeta * std::min(1.0, square(k_));
         auto const at = [&](double x) {
-            return integrand(single_particle(zeta_, k_, Complex(0.0, scale * x)));
+            double const frequency = scale * x;
+            return integrand(single_particle(medium_, k_, Complex(0.0, frequency))) /
+                   (1.0 + square(0.5 * medium_.step * frequency));
         };
         return scale / std::numbers::pi * integrator.integrate(at, tolerance);
     }
 
     int d_;
-    double zeta_, k_;
-    Parts<double> share_;
+    Medium medium_;
+    double k_;
+    Sharing share_;
 };
 
 /// Beyond, nothing is shared: s_k^3 is below 1e-6 for every weight.
@@ -194,21 +257,23 @@ double over_waves(int d, double box, Function const& function) {
     return sum;
 }
 
-void check_box(int d, double box) {
+void check_step_and_box(int d, double dt, double box) {
+    if (!(dt >= 0.0) || !std::isfinite(dt))
+        throw std::invalid_argument("dt must be zero or positive and finite");
     if (d == 2 && !std::isfinite(box))
         throw std::domain_error(
             "in two dimensions the coefficients of an infinite fluid diverge; give the side of a periodic "
             "box");
 }
 
-double returned_friction(int d, double n, Weight weight, double zeta, double box) {
-    return over_waves(d, box, [=](double k) { return Wave(d, weight, zeta, k).friction(); }) / n;
+double returned_friction(int d, double n, Weight weight, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).friction(); }) / n;
 }
-double returned_own_stress(int d, double n, Weight weight, double zeta, double box) {
-    return over_waves(d, box, [=](double k) { return Wave(d, weight, zeta, k).own_stress(); }) / n;
+double returned_own_stress(int d, double n, Weight weight, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).own_stress(); }) / n;
 }
-double returned_others_stress(int d, double n, Weight weight, double zeta, double box) {
-    return over_waves(d, box, [=](double k) { return Wave(d, weight, zeta, k).others_stress(); }) / n;
+double returned_others_stress(int d, double n, Weight weight, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).others_stress(); }) / n;
 }
 
 // -----------------------------------------------------------------------------------------------------------
@@ -242,22 +307,38 @@ struct Converged {
 constexpr int lowest_degree = 6, degree_step = 4, highest_degree = 18;
 constexpr double wanted = 3e-5;  ///< relative change at which a refinement is the last
 
-/// The gas in units of its own.
+double returned_collision_stress(int d, Weight weight, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).collision_stress(); });
+}
+
+/// The gas and the step in units of the gas.
 struct Reduced {
     int d;
     double n;
-    Weight weight;
-    double friction, box;
+    Shardlow thermostat;
+    double step, box;
 
+    Gas gas() const { return {.d = d, .n = n}; }
+    /// Rates of chaos, of a velocity and of v_x v_y.
     double friction_at_once() const {
-        return n / d * friction * volume_integral(d, 1.0, [this](double r) { return weight_at(weight, r); });
+        if (step == 0.0) return relaxation_rate(gas(), thermostat);
+        return -std::log(velocity_retention(gas(), thermostat, step)) / step;
+    }
+    double stress_rate_at_once() const {
+        if (step == 0.0) return 2.0 * relaxation_rate(gas(), thermostat);
+        return -std::log(stress_retention(gas(), thermostat, step)) / step;
     }
     double collision_viscosity_at_once() const {
-        return square(n) / (2.0 * d * (d + 2.0)) * friction *
-               volume_integral(d, 1.0, [this](double r) { return weight_at(weight, r) * r * r; });
+        return step == 0.0 ? collision_viscosity_limit(gas(), thermostat)
+                           : collision_viscosity(gas(), thermostat, step);
     }
-    Encounter pair(double zeta) const { return {d, weight, friction, zeta}; }
-    double returned_friction(double zeta) const { return theory::returned_friction(d, n, weight, zeta, box); }
+    Medium medium(double zeta) const { return {zeta, step}; }
+    Encounter pair(double zeta) const {
+        return {d, thermostat.weight, thermostat.gamma, zeta, step, thermostat.scheme};
+    }
+    double returned_friction(double zeta) const {
+        return theory::returned_friction(d, n, thermostat.weight, medium(zeta), box);
+    }
 };
 
 /// Friction that a particle feels from partners, each of whom it meets as in an encounter. @eq{NG2007,17}
@@ -310,7 +391,7 @@ ConvergedStressMemory converged_stress_memory(Reduced const& gas, double zeta) {
         relaxation.add(memory.relaxation.mean());
         cross.add(memory.cross.mean());
         if (degree > lowest_degree &&
-            0.5 * gas.n * relaxation.change() < wanted * 2.0 * gas.friction_at_once() &&
+            0.5 * gas.n * relaxation.change() < wanted * gas.stress_rate_at_once() &&
             0.5 * square(gas.n) * collision.change() < wanted * gas.collision_viscosity_at_once())
             break;
     }
@@ -330,18 +411,21 @@ void require_positive(std::initializer_list<std::pair<char const*, double>> quan
 
 }  // namespace
 
-CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double box) {
+CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double dt, double box) {
     unit_sphere_surface(gas.d);  // checks d
     require_positive(
         {{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}, {"rc", gas.rc}, {"zeta", zeta}, {"box", box}});
-    check_box(gas.d, box);
-    double const n = gas.n * std::pow(gas.rc, gas.d), rate = zeta * gas.rc * std::sqrt(gas.m / gas.kT);
-    return {returned_friction(gas.d, n, weight, rate, box / gas.rc),
-            returned_own_stress(gas.d, n, weight, rate, box / gas.rc),
-            returned_others_stress(gas.d, n, weight, rate, box / gas.rc)};
+    check_step_and_box(gas.d, dt, box);
+    double const n = gas.n * std::pow(gas.rc, gas.d), time = gas.rc * std::sqrt(gas.m / gas.kT);
+    Medium const medium{zeta * time, dt / time};
+    return {returned_friction(gas.d, n, weight, medium, box / gas.rc),
+            returned_own_stress(gas.d, n, weight, medium, box / gas.rc),
+            returned_others_stress(gas.d, n, weight, medium, box / gas.rc),
+            returned_collision_stress(gas.d, weight, medium, box / gas.rc) * std::sqrt(gas.m * gas.kT) *
+                std::pow(gas.rc, 1 - gas.d)};
 }
 
-TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double box) {
+TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt, double box) {
     int const d = gas.d;
     unit_sphere_surface(d);  // checks d
     require_positive({{"n", gas.n},
@@ -350,32 +434,50 @@ TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermo
                       {"rc", gas.rc},
                       {"gamma", thermostat.gamma},
                       {"box", box}});
-    check_box(d, box);
+    check_step_and_box(d, dt, box);
     double const speed = std::sqrt(gas.kT / gas.m), n = gas.n * std::pow(gas.rc, d);
-    Reduced const reduced{d, n, thermostat.weight, thermostat.gamma * gas.rc / (gas.m * speed), box / gas.rc};
+    // the drift enters with two moments only: the pair's memory is then right within 2 % of a coefficient
+    // (theory/memory.md)
+    constexpr double longest_drift = 0.2;
+    if (dt * speed > longest_drift * gas.rc)
+        throw std::domain_error("transport with memory needs dt (kT/m)^(1/2) <= 0.2 rc");
+    Shardlow reduced_thermostat = thermostat;
+    reduced_thermostat.gamma *= gas.rc / (gas.m * speed);
+    Reduced const reduced{d, n, reduced_thermostat, dt * speed / gas.rc, box / gas.rc};
 
+    // [diffusion with memory]
     auto const zeta = self_consistent_friction(reduced);
+    auto const medium = reduced.medium(zeta.value);
+    auto const diffusion_at = [&](double rate) { return 1.0 / medium.step_rate(rate); };
     double const of_pairs = zeta.value * (1.0 + reduced.returned_friction(zeta.value));
-    CoefficientWithMemory diffusion{.at_once = 1.0 / reduced.friction_at_once(),
-                                    .error = zeta.error / square(zeta.value)};
-    diffusion.pair = 1.0 / of_pairs - diffusion.at_once;
-    diffusion.collective = 1.0 / zeta.value - 1.0 / of_pairs;
+    CoefficientWithMemory diffusion{.at_once = diffusion_at(reduced.friction_at_once()),
+                                    .error = zeta.error / zeta.value * diffusion_at(zeta.value)};
+    diffusion.pair = diffusion_at(of_pairs) - diffusion.at_once;
+    diffusion.collective = diffusion_at(zeta.value) - diffusion_at(of_pairs);
+    // [diffusion with memory]
 
     // [viscosities]
     auto const memory = converged_stress_memory(reduced, zeta.value);
-    double const rate_at_once = 2.0 * reduced.friction_at_once();
-    double const rate = rate_at_once - 0.5 * n * memory.relaxation.value;
-    double const life = (1.0 + returned_own_stress(d, n, reduced.weight, zeta.value, reduced.box) +
-                         returned_others_stress(d, n, reduced.weight, zeta.value, reduced.box)) /
-                        rate;
+    double const rate = reduced.stress_rate_at_once() - 0.5 * n * memory.relaxation.value;
+    Weight const weight = thermostat.weight;
+    // of the chaotic gas, by what its stress loses; step/(1 - s) - step/2
+    double const of_pairs_life = 1.0 / medium.step_rate(rate);
+    // of the waves, by what they lose, 2 zeta
+    double const decay = 2.0 * zeta.value * medium.step;
+    double const of_rate = decay == 0.0 ? 1.0 : decay / std::sinh(decay);  // d ln(life)/d ln(1/rate)
+    double const of_waves_life = (of_rate * returned_own_stress(d, n, weight, medium, reduced.box) +
+                                  returned_others_stress(d, n, weight, medium, reduced.box)) /
+                                 medium.step_rate(2.0 * zeta.value);
+    double const life = of_pairs_life + of_waves_life;
     // kinetic stress that the collision stress becomes, over n kT
-    double const cross = 0.5 * n * memory.cross.value;
-    CoefficientWithMemory kinetic{.at_once = n / rate_at_once,
-                                  .pair = n / rate - n / rate_at_once,
-                                  .collective = n * life - n / rate,
-                                  .cross = n * life * cross};
+    double const cross = 0.5 * n * memory.cross.value / std::cosh(0.5 * rate * medium.step);
+    CoefficientWithMemory kinetic{.at_once = n / medium.step_rate(reduced.stress_rate_at_once())};
+    kinetic.pair = n * of_pairs_life - kinetic.at_once;
+    kinetic.collective = n * of_waves_life;
+    kinetic.cross = n * life * cross;
     CoefficientWithMemory collision{.at_once = reduced.collision_viscosity_at_once(),
                                     .pair = -0.5 * square(n) * memory.collision.value,
+                                    .collective = -returned_collision_stress(d, weight, medium, reduced.box),
                                     .cross = n * life * cross * (1.0 + cross)};
     // [viscosities]
     double const of_cross = 0.5 * square(n) * life * memory.cross.error;
@@ -386,6 +488,47 @@ TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermo
     double const viscosity_unit = gas.m * speed * std::pow(gas.rc, 1 - d);
     return {in_units(diffusion, gas.rc * speed), in_units(kinetic, viscosity_unit),
             in_units(collision, viscosity_unit)};
+}
+
+// --- the rows of the registry ------------------------------------------------------------------------------
+
+namespace {
+
+TransportWithMemory transport_of(Arguments const& a) {
+    double const box = a["box"] > 0.0 ? a["box"] : std::numeric_limits<double>::infinity();
+    return transport_with_memory(gas(a, a["n"], a["m"], a["kT"]),
+                                 {.gamma = a["gamma"], .weight = a.weight(), .scheme = a.scheme()}, a["dt"],
+                                 box);
+}
+
+template <CoefficientWithMemory TransportWithMemory::*coefficient>
+ClosedForm row(std::string_view id, std::string_view quantity, std::string_view formula) {
+    return {.id = id,
+            .paper = "ours",
+            .equation = "theory/memory.md",
+            .quantity = quantity,
+            .formula = formula,
+            .parameters = {"d", "n", "m", "kT", "gamma", "rc", "dt", "box", "weight", "scheme"},
+            .without_effect = {},
+            .value = [](Arguments const& a) { return (transport_of(a).*coefficient).value(); },
+            .defaults = {{"dt", "0"}},
+            .parts = [](Arguments const& a) -> std::vector<std::pair<std::string_view, double>> {
+                auto const c = transport_of(a).*coefficient;
+                return {{"value", c.value()},         {"at_once", c.at_once}, {"pair", c.pair},
+                        {"collective", c.collective}, {"cross", c.cross},     {"numerical_error", c.error}};
+            }};
+}
+
+}  // namespace
+
+std::vector<ClosedForm> memory_rows() {
+    return {
+        row<&TransportWithMemory::diffusion_constant>("memory-D", "self-diffusion constant with memory",
+                                                      "eq. 17 + pair + waves of the fluid"),
+        row<&TransportWithMemory::kinetic_viscosity>("memory-kinetic", "kinetic viscosity with memory",
+                                                     "eq. 8 + pair + waves of the fluid + cross term"),
+        row<&TransportWithMemory::collision_viscosity>("memory-collision", "collision viscosity with memory",
+                                                       "eq. 12 + pair + waves of the fluid + cross term")};
 }
 
 }  // namespace dpd::theory

@@ -12,15 +12,16 @@ namespace dpd::theory {
 /// How the momentum that a particle has lost comes back to it through the fluid around: relative changes
 /// of its friction and of the life of the kinetic stress.
 struct CollectiveMemory {
-    double friction = 0.0;       ///< part of its friction that the fluid gives back
-    double own_stress = 0.0;     ///< longer life of its own v_x v_y
-    double others_stress = 0.0;  ///< v_x v_y that the others take over, beyond what one partner does
+    double friction = 0.0;          ///< part of its friction that the fluid gives back
+    double own_stress = 0.0;        ///< longer life of its own v_x v_y
+    double others_stress = 0.0;     ///< v_x v_y that the others take over, beyond what one partner does
+    double collision_stress = 0.0;  ///< what it takes from the collision viscosity, in units of that
 };
 
 /// The collective part alone, for a particle of friction zeta (1/time, D = kT/(m zeta)). Uses the gas and the
 /// shape of the weight. `box` is the side of a periodic square or cube, or infinity; in two dimensions the
 /// integrals diverge with the box, and std::domain_error is thrown without one.
-CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double box);
+CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double dt, double box);
 
 /// A coefficient as a sum, and what the numerics may add to it.
 struct CoefficientWithMemory {
@@ -38,9 +39,10 @@ struct TransportWithMemory {
     CoefficientWithMemory collision_viscosity;
 };
 
-/// The three coefficients for dt -> 0, converged to 1e-4 of each (see `error`). Units as in closed_forms.hpp.
-/// `box` as above. Takes a second or two.
-TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat,
+/// The three coefficients at a step dt, or for dt = 0 in continuous time, numerically within about 1e-4 (see
+/// `error`). Units as in closed_forms.hpp. `box` as above. Takes a second or two. With Scheme::linear throws
+/// std::domain_error for gamma dt/m > 1.
+TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt = 0.0,
                                           double box = std::numeric_limits<double>::infinity());
 
 }  // namespace dpd::theory

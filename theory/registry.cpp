@@ -15,7 +15,7 @@ constexpr std::string_view zero_or_more = ">= 0";
 std::string const weight_names = name_list<Weight>(), random_weight_names = "matched, " + weight_names,
                   scheme_names = name_list<Scheme>();
 
-std::array<Parameter, 35> const all_parameters{{
+std::array<Parameter, 36> const all_parameters{{
     {"d", "dimension of space", "3", "2 or 3"},
     {"n", "number density", std::nullopt, "> 0"},
     {"m", "mass of a particle", "1", "> 0"},
@@ -26,6 +26,7 @@ std::array<Parameter, 35> const all_parameters{{
     {"dt", "time step", std::nullopt, "> 0"},
     {"Gamma", "Lowe-Andersen rate, updates of a pair per unit time", std::nullopt, "> 0"},
     {"L", "side of the periodic cube or square; width of the channel", std::nullopt, "> 0"},
+    {"box", "side of the periodic cube or square; 0: infinite", "0", zero_or_more},
     {"eta", "shear viscosity", std::nullopt, "> 0"},
     {"D", "self-diffusion constant", std::nullopt, "> 0"},
     {"t", "time", std::nullopt, "> 0"},
@@ -84,7 +85,7 @@ Parameter const* find_parameter(std::string_view name) {
 
 std::vector<ClosedForm> const& all_forms() {
     static auto const forms = joined({my1997_rows(), ng2007_rows(), pk2006_rows(), lennard_jones_rows(),
-                                      hydrodynamics_rows(), harmonic_rows()});
+                                      hydrodynamics_rows(), harmonic_rows(), memory_rows()});
     return forms;
 }
 
@@ -114,6 +115,12 @@ Arguments::Arguments(ClosedForm const& form, std::span<std::pair<std::string, st
     auto const has = [](auto const& names, std::string_view name) {
         return std::ranges::find(names, name) != names.end();
     };
+    // zero is a value of a parameter that is zero unless given
+    auto const taken = [&](std::string_view name) {
+        Parameter parameter = *find_parameter(name);
+        if (form.default_text(parameter) == "0") parameter.allowed = zero_or_more;
+        return parameter;
+    };
     std::vector<std::string_view> seen;
     for (auto const& [name, text] : given) {
         if (!has(form.parameters, name) && !has(form.without_effect, name))
@@ -124,11 +131,11 @@ Arguments::Arguments(ClosedForm const& form, std::span<std::pair<std::string, st
             throw std::invalid_argument("parameter " + quoted(name) + " is given twice, the second time as " +
                                         quoted(text) + "; allowed: once");
         seen.push_back(name);
-        set(*find_parameter(name), text);
+        set(taken(name), text);
     }
     for (auto name : form.parameters) {
-        auto const& parameter = *find_parameter(name);
         if (has(seen, name)) continue;
+        auto const parameter = taken(name);
         auto const text = form.default_text(parameter);
         if (!text)
             throw std::invalid_argument(std::string(form.id) + " needs parameter " + quoted(name) + " (" +
@@ -171,18 +178,25 @@ double Arguments::operator[](std::string_view name) const {
     return *number_from(*parameter->default_text);
 }
 
-double evaluate(std::string_view id, std::span<std::pair<std::string, std::string> const> given) {
+std::vector<std::pair<std::string_view, double>> evaluate_parts(
+    std::string_view id, std::span<std::pair<std::string, std::string> const> given) {
     auto const* form = find(id);
     if (form == nullptr) {
         std::vector<std::string_view> ids;
         for (auto const& known : closed_forms()) ids.push_back(known.id);
         throw std::invalid_argument("no closed form " + quoted(id) + "; allowed: " + listed(ids));
     }
-    double const value = form->value(Arguments(*form, given));
-    if (!std::isfinite(value))
+    Arguments const arguments(*form, given);
+    using Parts = std::vector<std::pair<std::string_view, double>>;
+    auto const parts = form->parts ? form->parts(arguments) : Parts{{"value", form->value(arguments)}};
+    if (!std::isfinite(parts.front().second))
         throw std::domain_error(std::string(id) +
                                 " is not finite there: a parameter is too large or too small");
-    return value;
+    return parts;
+}
+
+double evaluate(std::string_view id, std::span<std::pair<std::string, std::string> const> given) {
+    return evaluate_parts(id, given).front().second;
 }
 
 }  // namespace dpd::theory

@@ -40,6 +40,9 @@ struct ClosedForm {
     double (*value)(Arguments const&);
     /// Defaults of this form that differ from those of its parameters; an empty one makes it required.
     std::vector<std::pair<std::string_view, std::optional<std::string_view>>> defaults = {};
+    /// For a form that is a sum: the value, the summands and what else belongs to it, by name; the value
+    /// first.
+    std::vector<std::pair<std::string_view, double>> (*parts)(Arguments const&) = nullptr;
 
     /// What `parameter` is when it is not given; nothing: it must be given.
     std::optional<std::string_view> default_text(Parameter const& parameter) const;
@@ -75,6 +78,11 @@ std::span<ClosedForm const> closed_forms();
 
 /// The closed form of that id, or nullptr.
 ClosedForm const* find(std::string_view id);
+
+/// The value of a closed form and, where it has them, its parts after it, as ClosedForm::parts. Throws as
+/// evaluate.
+std::vector<std::pair<std::string_view, double>> evaluate_parts(
+    std::string_view id, std::span<std::pair<std::string, std::string> const> given);
 
 /// The value of a closed form. Throws std::invalid_argument on an unknown id or as Arguments does, and
 /// std::domain_error where the equation has no finite value.

@@ -18,6 +18,7 @@ std::vector<ClosedForm> pk2006_rows();
 std::vector<ClosedForm> lennard_jones_rows();
 std::vector<ClosedForm> hydrodynamics_rows();
 std::vector<ClosedForm> harmonic_rows();
+std::vector<ClosedForm> memory_rows();
 
 /// Groups of rows, one after the other.
 std::vector<ClosedForm> joined(std::initializer_list<std::vector<ClosedForm>> groups);

@@ -41,17 +41,17 @@ void list_theory(bool json) {
 
 void evaluate_theory(std::string const& id, std::vector<std::string> const& assignments, bool json) {
     auto const given = split(assignments);
-    double const value = dpd::theory::evaluate(id, given);
+    auto const parts = dpd::theory::evaluate_parts(id, given);
     auto const& form = *dpd::theory::find(id);
     if (json) {
         Json result{
             {"id", id}, {"paper", form.paper}, {"equation", form.equation}, {"quantity", form.quantity}};
         for (auto const& [name, text] : given) result["parameters"][name] = text;
-        result["value"] = value;
-        fmt::print("{}\n", result.dump());
+        for (auto const& [name, value] : parts) result[std::string(name)] = value;
+        fmt::print("{}\n", result.dump(-1, ' ', false, Json::error_handler_t::replace));
     } else {
         fmt::print("{}, {} eq. {}: {}\n{:.12g}\n", form.quantity, form.paper, form.equation, form.formula,
-                   value);
+                   parts.front().second);
     }
 }
 
