@@ -7,6 +7,7 @@ usage: gallery.py FILE.md. Python's standard library only.
 import collections
 import csv
 import pathlib
+import statistics
 import sys
 import tomllib
 
@@ -18,15 +19,38 @@ def plain(text):
     return text.replace("*", "\\*")
 
 
+MEANING = {
+    "exact": "no tolerance but the error",
+    "closed form": "within a tolerance stated beforehand",
+    "bound": "a limit on one side, on the right side of which a value agrees however far",
+    "consistency": "two simulations against each other",
+    "description": "would notice nothing below 25 %, or set after looking: no agreement",
+}
+
+
 def verdicts():
-    """figure -> how many comparisons agree, disagree, are undecided"""
+    """figure -> kind -> rows of the report"""
     report = ROOT / "figures" / "report.csv"
-    counts = collections.defaultdict(collections.Counter)
+    found = collections.defaultdict(lambda: collections.defaultdict(list))
     if report.is_file():
         with report.open(encoding="utf-8", newline="") as rows:
             for row in csv.DictReader(rows):
-                counts[row["figure"]][row["verdict"]] += 1
-    return counts
+                found[row["figure"]][row["kind"]].append(row)
+    return found
+
+
+def meaning(kinds):
+    """what a figure's verdicts say, kind by kind, as a Markdown table"""
+    lines = ["| kind | what it says | verdicts | noticed from (median) |", "|---|---|---|---|"]
+    for kind, says in MEANING.items():
+        if not (rows := kinds.get(kind)):
+            continue
+        count = collections.Counter(row["verdict"] for row in rows)
+        words = ", ".join(f"{n} {word}" for word, n in count.most_common())
+        noticed = [float(row["noticeable_percent"]) for row in rows if row["noticeable_percent"] != "inf"]
+        lines.append(f"| {kind} | {says} | {words} | "
+                     f"{f'{statistics.median(noticed):.2g} %' if noticed else ''} |")
+    return lines
 
 
 def main():
@@ -36,7 +60,7 @@ def main():
         "All figures that `dpdref figure` draws, at the papers' fidelity. How they are defined and judged: "
         "\\ref figures. What they show: \\ref findings.",
     ]
-    counts = verdicts()
+    found = verdicts()
     figures = [(file.parent.name, tomllib.loads(file.read_text(encoding="utf-8")))
                for file in (ROOT / "verification").glob("*/figure.toml")]
     # a paper's figures in their order, then what its text states
@@ -46,9 +70,8 @@ def main():
         lines += ["", f"## {figure['paper']}{where}: {plain(figure['title'])} {{#figure-{name}}}", ""]
         if (ROOT / "figures" / f"{name}.svg").is_file():
             lines += [f"\\image html {name}.svg", ""]
-            if counts[name]:
-                count = ", ".join(f"{word} {n} times" for word, n in counts[name].most_common())
-                lines += [f"Verdicts of `dpdref report`: {count}.", ""]
+            if name in found:
+                lines += ["What its verdicts mean (`dpdref report`, \\ref figures \"verdicts\"):", "", *meaning(found[name]), ""]
         else:
             lines += ["Not yet drawn at the paper's fidelity.", ""]
         lines += [plain(figure["caption"]), "", f"Draw it: `dpdref figure {name}`"]

@@ -73,9 +73,13 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
     auto const interacting_settings = settings_of(interacting_table, "settings");
     interacting_table.finish();
 
-    auto const [seeds, scale] = read_budget(root, budget, [](TomlReader& table) {
-        return std::pair{table.integer("seeds", std::nullopt, positive_integer),
-                         table.number("duration_scale", 1.0, positive)};
+    struct Effort {
+        std::uint64_t seeds = 1;
+        double duration_scale = 1.0;
+    };
+    auto const effort = read_budget(root, budget, [](TomlReader& table) {
+        return Effort{.seeds = table.integer("seeds", std::nullopt, positive_integer),
+                      .duration_scale = table.number("duration_scale", 1.0, positive)};
     });
 
     std::vector<AppliesTo> closed_forms;
@@ -127,7 +131,8 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
             auto const in_steps = [&](double time) { return std::max(1L, std::lround(time / step)); };
             auto overrides = scene_settings(*integrator, flows, friction, repulsion, kT);
             append(overrides, {fmt::format("time.step={}", step),
-                               fmt::format("time.duration={}", scale * kind.duration / double(seeds)),
+                               fmt::format("time.duration={}",
+                                           effort.duration_scale * kind.duration / double(effort.seeds)),
                                fmt::format("sample.interval={}", in_steps(kind.interval))});
             append(overrides, kind.settings);
             if (repulsion > 0.0 && &kind == &at_rest) append(overrides, interacting_settings);
@@ -140,8 +145,8 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
                 parse_scene(base.str(), fmt::format("{} ({}{})", file.string(), state.id, suffix), overrides);
             Point point;
             point.curve = answers.figure.curves.size();
-            point.runs.assign(seeds, scene);
-            for (std::uint64_t run = 1; run < seeds; ++run) point.runs[run].seed += run;
+            point.runs.assign(effort.seeds, scene);
+            for (std::uint64_t run = 1; run < effort.seeds; ++run) point.runs[run].seed += run;
             FigureCurve curve;
             curve.name = state.id + suffix;
             answers.figure.curves.push_back(curve);
@@ -170,8 +175,7 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
 
         for (auto const& form : closed_forms)
             if (form.interacting == (repulsion > 0.0) &&
-                (form.stage.empty() || scene.has_stage(form.stage)) &&
-                (!form.interacting || scene.soft()))
+                (form.stage.empty() || scene.has_stage(form.stage)) && (!form.interacting || scene.soft()))
                 state.closed_forms.emplace_back(form.quantity, form.id);
         answers.states.push_back(std::move(state));
     }

@@ -1,38 +1,39 @@
 #include "comparison_json.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <cmath>
+
+#include "errors.hpp"
+#include "names.hpp"
 
 namespace dpd {
 
 using Json = nlohmann::ordered_json;
 
 Json to_json(Comparison const& c) {
-    return {{"figure", c.figure},
-            {"curve", c.curve},
-            {"parameter", c.parameter},
-            {"x", c.x},
-            {"quantity", c.criterion.quantity},
-            {"value", c.estimate.value},
-            {"error", c.estimate.error},
-            {"blocks", c.estimate.blocks},
-            {"inefficiency", c.estimate.inefficiency},
-            {"theory", c.criterion.theory},
-            {"theory_value", c.theory},
-            {"theory_error", c.theory_error},
-            {"relation", name_of(c.criterion.relation)},
-            {"tolerance", c.criterion.tolerance},
-            {"resolution", c.criterion.resolution},
-            {"runs", c.runs},
-            {"seconds", c.seconds}};
+    Json json{{"figure", c.figure},
+              {"curve", c.curve},
+              {"parameter", c.parameter},
+              {"x", c.x},
+              {"quantity", c.criterion.quantity},
+              {"value", c.estimate.value},
+              {"error", c.estimate.error},
+              {"blocks", c.estimate.blocks},
+              {"inefficiency", c.estimate.inefficiency},
+              {"theory", c.criterion.theory},
+              {"theory_value", c.theory},
+              {"theory_error", c.theory_error},
+              {"relation", name_of(c.criterion.relation)},
+              {"tolerance", c.criterion.tolerance},
+              {"resolution", c.criterion.resolution},
+              {"runs", c.runs},
+              {"seconds", c.seconds}};
+    if (c.criterion.description) json["description"] = true;
+    return json;
 }
 
 namespace {
-
-Relation relation_from_name(std::string_view name) {
-    return static_cast<Relation>(std::find(relation_names.begin(), relation_names.end(), name) -
-                                 relation_names.begin());
-}
 
 // JSON has no NaN and writes null.
 double number_or_nan(Json const& json) { return json.is_null() ? std::nan("") : json.get<double>(); }
@@ -53,7 +54,13 @@ Comparison comparison_from_json(Json const& json) {
     c.criterion.theory = json.at("theory");
     c.theory = json.at("theory_value");
     c.theory_error = number_or_nan(json.at("theory_error"));
-    c.criterion.relation = relation_from_name(json.at("relation").get<std::string>());
+    auto const relation = json.at("relation").get<std::string>();
+    auto const known = value_of<Relation>(relation);
+    if (!known)
+        throw InputError(
+            fmt::format("relation '{}' is unknown; allowed: {}", relation, name_list<Relation>()));
+    c.criterion.relation = *known;
+    c.criterion.description = json.value("description", false);
     c.criterion.tolerance = json.at("tolerance");
     c.criterion.resolution = json.at("resolution");
     c.runs = json.at("runs");

@@ -10,7 +10,8 @@ namespace dpd {
 
 nlohmann::ordered_json to_json(Comparison const& comparison);
 
-/// Throws nlohmann::json::exception where a member is missing or of another kind.
+/// Throws nlohmann::json::exception where a member is missing or of another kind, InputError for an unknown
+/// relation.
 Comparison comparison_from_json(nlohmann::ordered_json const& json);
 
 }  // namespace dpd

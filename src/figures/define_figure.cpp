@@ -21,9 +21,10 @@ std::vector<Criterion> read_criteria(TomlReader& reader) {
         criterion.quantity = table.text("quantity", std::nullopt);
         criterion.theory = table.text("theory", std::nullopt);
         criterion.value = table.number("value", 0.0, any_number);
-        criterion.relation = table.choice<Relation>("relation", "equal", relation_names);
+        criterion.relation = table.choice<Relation>("relation", "equal");
         criterion.tolerance = table.number("tolerance", 0.0, non_negative);
         criterion.resolution = table.number("resolution", 0.01, positive);
+        criterion.description = table.boolean("description", false);
         table.finish();
         bool const known = criterion.theory == "value" || criterion.theory.starts_with("curve:") ||
                            criterion.theory.starts_with("quantity:") || criterion.theory == "previous" ||

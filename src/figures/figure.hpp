@@ -4,7 +4,6 @@
 /// (judge_figure.hpp), and drawn by verification/ID/plot.gp (write_figure.hpp); docs/figures.md.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -25,10 +24,18 @@ enum class Relation {
     differs,   ///< by more than the tolerance
 };
 
-inline constexpr std::array<std::string_view, 4> relation_names{"equal", "at_most", "at_least", "differs"};
-
 constexpr std::string_view name_of(Relation relation) {
-    return relation_names[static_cast<std::size_t>(relation)];
+    switch (relation) {
+        case Relation::equal:
+            return "equal";
+        case Relation::at_most:
+            return "at_most";
+        case Relation::at_least:
+            return "at_least";
+        case Relation::differs:
+            return "differs";
+    }
+    return {};
 }
 
 /// Before a quantity's name: its slope in logarithms from the point before.
@@ -43,6 +50,7 @@ struct Criterion {
     Relation relation = Relation::equal;
     double tolerance = 0.0;    ///< 0: exact; else how far the theory may be off, relative
     double resolution = 0.01;  ///< relative standard error that an exact agreement needs
+    bool description = false;  ///< its tolerance was set after looking at the data
 };
 
 /// One measured point against one criterion.

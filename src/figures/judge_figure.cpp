@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "errors.hpp"
 #include "run_figure.hpp"
@@ -131,6 +132,30 @@ Verdict judge(Comparison const& comparison, std::size_t family) {
     }
     return judge(against_theory(comparison), comparison.theory, criterion.tolerance, criterion.resolution,
                  false_alarm);
+}
+
+double noticeable(Comparison const& comparison, std::size_t family) {
+    if (comparison.theory == 0.0) return std::numeric_limits<double>::infinity();
+    auto const& criterion = comparison.criterion;
+    Estimate const estimate = against_theory(comparison);
+    double const half_width = critical_z(false_alarm_of_one(family), estimate.blocks) * estimate.error;
+    double const tolerance = criterion.relation == Relation::differs ? 0.0 : criterion.tolerance;
+    return tolerance + half_width / std::abs(comparison.theory);
+}
+
+Kind kind_of(Comparison const& comparison, std::size_t family) {
+    auto const& criterion = comparison.criterion;
+    bool const too_blunt = comparison.theory != 0.0 && !(noticeable(comparison, family) <= blunt);
+    if (criterion.description || too_blunt) return Kind::description;
+    if (criterion.relation != Relation::equal) return Kind::bound;
+    bool const measured = criterion.theory == "previous" || criterion.theory.starts_with("curve:") ||
+                          criterion.theory.starts_with("quantity:");
+    if (measured) return Kind::consistency;
+    return criterion.tolerance > 0.0 ? Kind::closed_form : Kind::exact;
+}
+
+std::string_view verdict_text(Verdict verdict, Kind kind) {
+    return kind == Kind::description && verdict == Verdict::agrees ? "described" : name_of(verdict);
 }
 
 double seconds_to_decide(Comparison const& comparison, std::size_t family) {

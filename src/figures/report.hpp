@@ -15,7 +15,8 @@ namespace dpd {
 void write_run_time(RunTime const& run_time, std::string const& budget, std::filesystem::path const& output);
 
 /// Prints the table of comparisons, and the run times that run_time.json in `output` and in its `quick`
-/// state, and writes report.csv and report.json to `output`. True if none disagrees.
+/// state, and writes report.csv, report.json and report.md, the summary by kinds, to `output`. True if none
+/// disagrees.
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
 
 }  // namespace dpd

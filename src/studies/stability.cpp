@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -15,6 +16,7 @@
 #include "errors.hpp"
 #include "files.hpp"
 #include "integrators.hpp"
+#include "names.hpp"
 #include "picture.hpp"
 #include "run.hpp"
 #include "simulation.hpp"
@@ -232,7 +234,7 @@ Json to_json(Trials const& trials, bool traces) {
     Json list = Json::array();
     for (auto const& [step, trial] : trials) {
         list.push_back({{"step", step},
-                        {"outcome", outcome_names[static_cast<std::size_t>(trial.outcome)]},
+                        {"outcome", name_of(trial.outcome)},
                         {"steps", trial.steps},
                         {"kT", trial.kT.value},
                         {"error", trial.kT.error},
@@ -247,10 +249,9 @@ Trials trials_from_json(Json const& list) {
     for (auto const& json : list) {
         Trial trial;
         trial.step = json.at("step");
-        auto const name =
-            std::find(outcome_names.begin(), outcome_names.end(), json.at("outcome").get<std::string>());
-        if (name == outcome_names.end()) throw InputError("unknown outcome");
-        trial.outcome = static_cast<Outcome>(name - outcome_names.begin());
+        auto const outcome = value_of<Outcome>(json.at("outcome").get<std::string>());
+        if (!outcome) throw InputError("unknown outcome");
+        trial.outcome = *outcome;
         trial.steps = json.at("steps");
         trial.kT.value = number_or_nan(json.at("kT"));
         trial.kT.error = number_or_nan(json.at("error"));

@@ -3,7 +3,6 @@
 /// Defined by verification/stability/stability.toml, drawn by the *.gp beside it; docs/stability.md.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -29,7 +28,17 @@ enum class Outcome {
     diverged,  ///< the engine gave up (Diverged)
 };
 
-inline constexpr std::array<std::string_view, 3> outcome_names{"stable", "hot", "diverged"};
+constexpr std::string_view name_of(Outcome outcome) {
+    switch (outcome) {
+        case Outcome::stable:
+            return "stable";
+        case Outcome::hot:
+            return "hot";
+        case Outcome::diverged:
+            return "diverged";
+    }
+    return {};
+}
 
 /// A scene run for some steps at one step.
 struct Trial {

@@ -64,9 +64,12 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
         m.settings = settings_of(table, "settings");
         table.finish();
     }
-    auto const [scale, smallest_step] = read_budget(root, budget, [](TomlReader& table) {
-        return std::pair{table.number("duration_scale", 1.0, positive),
-                         table.number("smallest_step", 0.0, non_negative)};
+    struct Effort {
+        double duration_scale = 1.0, smallest_step = 0.0;
+    };
+    auto const effort = read_budget(root, budget, [](TomlReader& table) {
+        return Effort{.duration_scale = table.number("duration_scale", 1.0, positive),
+                      .smallest_step = table.number("smallest_step", 0.0, non_negative)};
     });
     auto const definitions = find_above(file, "integrators.toml");
     if (!definitions)
@@ -86,7 +89,7 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
         double const duration = fluid.number("duration", std::nullopt, positive),
                      reference_duration = fluid.number("reference_duration", std::nullopt, positive);
         study.table_step = fluid.number("table_step", std::nullopt, positive);
-        std::erase_if(steps, [=](double step) { return step < smallest_step; });
+        std::erase_if(steps, [&effort](double step) { return step < effort.smallest_step; });
         if (std::find(steps.begin(), steps.end(), study.table_step) == steps.end())
             fluid.fail("table_step", "is none of the budget's steps; allowed: one of them");
         fluid.finish();
@@ -96,7 +99,8 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
             auto overrides = scene_settings(integrator, sheared, friction, repulsion);
             append(overrides,
                    {fmt::format("time.step={}", step),
-                    fmt::format("time.duration={}", scale * (is_reference ? reference_duration : duration)),
+                    fmt::format("time.duration={}",
+                                effort.duration_scale * (is_reference ? reference_duration : duration)),
                     fmt::format("sample.interval={}", in_steps(m.interval))});
             append(overrides, m.settings);
             if (!sheared)

@@ -467,6 +467,14 @@ def page(claims, rows, tests, known_sections):
     return "\n".join(lines) + "\n"
 
 
+def stale_table():
+    """README.md shows what `dpdref report` says of each kind of comparison"""
+    table = read(ROOT / "figures" / "report.md").strip()
+    shown = re.search(r"<!-- figures/report.md -->\n(.*?)<!-- end -->", read(ROOT / "README.md"), flags=re.DOTALL)
+    if not shown or shown[1].strip() != table:
+        yield "README.md: the table of kinds is not that of figures/report.md: copy it"
+
+
 def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="check only")
@@ -476,6 +484,7 @@ def main(arguments):
     if not options.check and not options.out:
         parser.error("--check or --out FILE")
     claims, rows, tests, known_sections, mistakes = collect(options.dpdref)
+    mistakes = [*mistakes, *stale_table()]
     for mistake in mistakes:
         print(f"claims: {mistake}", file=sys.stderr)
     if mistakes:

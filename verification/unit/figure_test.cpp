@@ -32,6 +32,7 @@
 #include "run_figure.hpp"
 #include "theory/closed_forms.hpp"
 #include "theory_arguments.hpp"
+#include "toml_reader.hpp"
 #include "write_figure.hpp"
 
 using namespace dpd;
@@ -1020,6 +1021,103 @@ BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
         BOOST_TEST(a.theory_error == b.theory_error);
         BOOST_TEST(name_of(judge(a, 3)) == name_of(judge(b, 3)));
     }
+}
+
+// Of comparisons made up so that each is of one kind. Nine blocks, alone in the family: critical t = 3.355.
+BOOST_AUTO_TEST_CASE(kinds_and_what_they_would_notice) {
+    double const t = critical_z(family_false_alarm, 9);
+    auto exact = compared(1.01, 0.01, 1.0);
+    exact.criterion.theory = "my22";
+    BOOST_TEST((kind_of(exact, 1) == Kind::exact));
+    BOOST_TEST(noticeable(exact, 1) == 0.01 * t, boost::test_tools::tolerance(1e-12));
+    auto form = exact;
+    form.criterion.tolerance = 0.05;
+    BOOST_TEST((kind_of(form, 1) == Kind::closed_form));
+    BOOST_TEST(noticeable(form, 1) == 0.05 + 0.01 * t, boost::test_tools::tolerance(1e-12));
+    for (auto const relation : {Relation::at_most, Relation::at_least, Relation::differs}) {
+        auto bound = exact;
+        bound.criterion.relation = relation;
+        BOOST_TEST((kind_of(bound, 1) == Kind::bound));
+    }
+    for (char const* const theory : {"curve:other", "quantity:other", "previous"}) {
+        auto two = exact;
+        two.criterion.theory = theory;
+        two.theory_error = 0.01;
+        BOOST_TEST((kind_of(two, 1) == Kind::consistency));
+        BOOST_TEST(noticeable(two, 1) == std::sqrt(2.0) * 0.01 * t, boost::test_tools::tolerance(1e-12));
+    }
+    auto blunt_one = form;
+    blunt_one.criterion.tolerance = 0.25 - 0.01 * t + 1e-6;
+    BOOST_TEST((kind_of(blunt_one, 1) == Kind::description));
+    blunt_one.criterion.tolerance -= 2e-6;
+    BOOST_TEST((kind_of(blunt_one, 1) == Kind::closed_form));
+    form.criterion.description = true;  // set after looking
+    BOOST_TEST((kind_of(form, 1) == Kind::description));
+    BOOST_TEST((kind_of(compared(1.0, 0.0, 1.0, 1), 1) == Kind::description));  // no error bar
+    auto zero = compared(0.001, 0.01, 0.0);
+    zero.criterion.theory = "value";
+    BOOST_TEST((kind_of(zero, 1) == Kind::exact));
+    BOOST_TEST(std::isinf(noticeable(zero, 1)));
+    BOOST_TEST(verdict_text(Verdict::agrees, Kind::description) == "described");
+    BOOST_TEST(verdict_text(Verdict::disagrees, Kind::description) == "disagrees");
+    BOOST_TEST(verdict_text(Verdict::agrees, Kind::bound) == "agrees");
+}
+
+namespace {
+
+/// The fields of one line of CSV by the rules of RFC 4180.
+std::vector<std::string> csv_fields(std::string const& line) {
+    std::vector<std::string> fields(1);
+    bool quoted_now = false;
+    for (std::size_t k = 0; k < line.size(); ++k) {
+        if (line[k] == '"' && quoted_now && k + 1 < line.size() && line[k + 1] == '"')
+            fields.back() += line[k++];
+        else if (line[k] == '"')
+            quoted_now = !quoted_now;
+        else if (line[k] == ',' && !quoted_now)
+            fields.emplace_back();
+        else
+            fields.back() += line[k];
+    }
+    BOOST_TEST(!quoted_now);
+    return fields;
+}
+
+}  // namespace
+
+// Names with commas and quotes come back as they were; a description is not called agreement.
+BOOST_FIXTURE_TEST_CASE(the_table_as_csv_can_be_parsed, Fixture) {
+    auto one = compared(1.01, 0.01, 1.0);
+    one.figure = "ng1a";
+    one.curve = "n=3, \"strong\"";
+    one.parameter = "time.step";
+    one.criterion.quantity = "viscosity";
+    one.criterion.theory = "curve:n=3, at rest";
+    one.criterion.relation = Relation::at_most;
+    auto other = one;
+    other.criterion.relation = Relation::equal;
+    other.criterion.tolerance = 0.4;
+    report({one, other}, directory);
+    std::istringstream csv(read_file(directory / "report.csv"));
+    std::string line;
+    std::getline(csv, line);
+    auto const head = csv_fields(line);
+    auto const column = [&](std::string const& name) {
+        return std::size_t(std::find(head.begin(), head.end(), name) - head.begin());
+    };
+    for (auto const& [kind, verdict] : {std::pair{"bound", "agrees"}, {"description", "described"}}) {
+        BOOST_REQUIRE(std::getline(csv, line));
+        auto const row = csv_fields(line);
+        BOOST_REQUIRE(row.size() == head.size());
+        BOOST_TEST(row[column("curve")] == one.curve);
+        BOOST_TEST(row[column("theory")] == one.criterion.theory);
+        BOOST_TEST(row[column("kind")] == kind);
+        BOOST_TEST(row[column("verdict")] == verdict);
+    }
+    BOOST_TEST(!std::getline(csv, line));
+    std::string const summary = read_file(directory / "report.md");
+    BOOST_TEST(summary.find("| bound | 1 | 1 | 0 | 0 | 1 % |") != std::string::npos);
+    BOOST_TEST(summary.find("| description | 1 | - | 0 | 0 | 1 % |") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(companions_show_one_criterion_of_a_curve) {
