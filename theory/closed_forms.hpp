@@ -60,11 +60,16 @@ double A3(ExplicitDpd const& fluid);
 double temperature_at_finite_step(ExplicitDpd const& fluid, double dt);
 
 /// The opposite limit, neighbours that never change: kT of explicit DPD at fixed positions, to first order in
-/// dt, averaged over all degrees of freedom. kT = A3/(2 m A1) (1 + n A1 dt/2). A lower bound at any dt: each
-/// normal mode of the friction settles at kT/(1 - lambda dt/2), convex in its rate lambda, whose mean is
-/// n A1. Derived in theory/MY1997.md, not in the paper; for matched weights (w_R^2 = w_D) only.
-/// Throws std::domain_error for a random_weight.
+/// dt, averaged over all degrees of freedom. kT = A3/(2 m A1) (1 + n A1 dt/2). Derived in theory/MY1997.md,
+/// not in the paper; for matched weights (w_R^2 = w_D) only. Throws std::domain_error for a random_weight.
 double temperature_with_frozen_neighbours(ExplicitDpd const& fluid, double dt);
+
+/// A lower bound on kT of both limits at any dt, neighbours that never change and neighbours that are new at
+/// every step (eq. 22): A3/(2 m A1 (1 - n A1 dt/2)), what one mode of the mean rate n A1 would have, as the
+/// temperature of a mode is convex in its rate. For a fluid between the limits it is a heuristic. Derived in
+/// theory/MY1997.md, not in the paper; matched weights only. Throws std::domain_error for a random_weight, and
+/// for n A1 dt >= 2, where the mean mode itself is unstable.
+double temperature_of_the_mean_mode(ExplicitDpd const& fluid, double dt);
 
 /// Step at which eq. 22 diverges, 2 A1 / (n A1^2 + A2). @eq{MY1997,25}
 /// Unit time. Uses d, n, m, gamma, rc, weight.

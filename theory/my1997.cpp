@@ -6,6 +6,16 @@
 #include "rows.hpp"
 
 namespace dpd::theory {
+namespace {
+
+void require_matched(ExplicitDpd const& fluid, double dt) {
+    require_positive({{"n", fluid.n}, {"dt", dt}});
+    if (fluid.random_weight)
+        throw std::domain_error(
+            "frozen neighbours have one temperature for matched weights only, w_R^2 = w_D");
+}
+
+}  // namespace
 
 // [explicit integrals]
 double A1(ExplicitDpd const& fluid) {
@@ -42,12 +52,16 @@ double temperature_at_finite_step(ExplicitDpd const& fluid, double dt) {
 
 // [frozen neighbours]
 double temperature_with_frozen_neighbours(ExplicitDpd const& fluid, double dt) {
-    require_positive({{"n", fluid.n}, {"dt", dt}});
-    if (fluid.random_weight)
-        throw std::domain_error(
-            "frozen neighbours have one temperature for matched weights only, w_R^2 = w_D");
+    require_matched(fluid, dt);
     double const a1 = A1(fluid);
     return A3(fluid) / (2.0 * fluid.m * a1) * (1.0 + 0.5 * fluid.n * a1 * dt);
+}
+
+double temperature_of_the_mean_mode(ExplicitDpd const& fluid, double dt) {
+    require_matched(fluid, dt);
+    double const a1 = A1(fluid), left = 1.0 - 0.5 * fluid.n * a1 * dt;
+    if (!(left > 0.0)) throw std::domain_error("no temperature: the mean mode is unstable, n A1 dt >= 2");
+    return A3(fluid) / (2.0 * fluid.m * a1 * left);
 }
 // [frozen neighbours]
 
@@ -101,12 +115,22 @@ std::vector<ClosedForm> temperature_rows() {
         {"my22-frozen",
          "MY1997",
          "22, frozen",
-         "kT of explicit DPD if neighbours never change",
+         "kT if neighbours never change, first order",
          "A3/(2 m A1) (1 + n A1 dt/2)",
          {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight"},
          {},
          [](Arguments const& a) {
              return temperature_with_frozen_neighbours(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
+         }},
+        {"my22-mean-mode",
+         "MY1997",
+         "22, mean mode",
+         "kT of a mode of the mean rate, bound of both limits",
+         "A3/(2 m A1 (1 - n A1 dt/2))",
+         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight"},
+         {},
+         [](Arguments const& a) {
+             return temperature_of_the_mean_mode(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
          }},
     };
 }

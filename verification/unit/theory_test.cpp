@@ -317,6 +317,32 @@ BOOST_AUTO_TEST_CASE(my22_frozen_neighbours_lie_below_by_the_spread_of_the_rates
     BOOST_CHECK_THROW(temperature_with_frozen_neighbours(unmatched, 0.1), std::domain_error);
 }
 
+// Of modes with two rates each, their mean that of the fluid: the temperature of all lies above that of the
+// mean mode; so does eq. 22, whose rate is larger.
+BOOST_AUTO_TEST_CASE(my22_the_mean_mode_is_below_both_limits) {
+    for (int const d : {2, 3})
+        for (Weight const weight : all_weights) {
+            ExplicitDpd const fluid{
+                .d = d, .n = 0.7, .m = 1.3, .gamma = 0.4, .sigma = 1.1, .rc = 1.7, .weight = weight};
+            double const kT0 = 1.1 * 1.1 / (2.0 * 0.4), rate = 0.7 * A1(fluid);
+            for (double const share : {0.01, 0.3, 0.9}) {
+                double const dt = share * critical_step(fluid),
+                             bound = temperature_of_the_mean_mode(fluid, dt);
+                check_close(bound, kT0 / (1.0 - 0.5 * rate * dt));
+                BOOST_TEST(temperature_at_finite_step(fluid, dt) > bound);
+                BOOST_TEST(temperature_with_frozen_neighbours(fluid, dt) < bound);
+                double const spread = 0.5 * std::min(rate, 2.0 / dt - rate);
+                double const modes =
+                    0.5 * kT0 *
+                    (1.0 / (1.0 - 0.5 * (rate - spread) * dt) + 1.0 / (1.0 - 0.5 * (rate + spread) * dt));
+                BOOST_TEST(modes > bound);
+            }
+            BOOST_CHECK_THROW(temperature_of_the_mean_mode(fluid, 2.0 / rate), std::domain_error);
+        }
+    ExplicitDpd const unmatched{.n = 1.0, .gamma = 1.0, .sigma = 1.0, .random_weight = Weight::linear};
+    BOOST_CHECK_THROW(temperature_of_the_mean_mode(unmatched, 0.1), std::domain_error);
+}
+
 BOOST_AUTO_TEST_CASE(my25_and_my26_are_where_my22_diverges) {
     for (auto const& c : cases()) {
         auto fluid = c.explicit_dpd();
@@ -1925,6 +1951,7 @@ BOOST_AUTO_TEST_CASE(what_is_not_positive_is_refused) {
 BOOST_AUTO_TEST_CASE(registry_lists_the_promised_ids_with_known_parameters) {
     std::vector<std::string_view> const promised{"my22",
                                                  "my22-frozen",
+                                                 "my22-mean-mode",
                                                  "my23-A1",
                                                  "my23-A2",
                                                  "my23-A3",
@@ -2050,6 +2077,7 @@ BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
     std::vector<std::pair<std::string_view, double>> const expected{
         {"my22", temperature_at_finite_step(fluid, dt)},
         {"my22-frozen", temperature_with_frozen_neighbours(matched, dt)},
+        {"my22-mean-mode", temperature_of_the_mean_mode(matched, dt)},
         {"my23-A1", A1(fluid)},
         {"my23-A2", A2(fluid)},
         {"my23-A3", A3(fluid)},
