@@ -98,8 +98,9 @@ struct CodeReport {
 
 /// Compares all that both have, by Student's t with Welch's degrees of freedom and Bonferroni's share of the
 /// false alarms. g(r) is one member of the family: its share is divided among its bins, of which the one
-/// that is furthest off is reported. *agrees* asks for a combined error of at most `resolution` times the
-/// reference (of g(r): times its peak). InputError if g(r) has other bins.
+/// that is furthest off is reported. *agrees* asks for critical t times the combined error of at most
+/// `resolution` times the reference (of g(r): for the error alone, times its peak). InputError if g(r) has
+/// other bins.
 CodeReport compare(Averages const& averages, Reference const& reference, double resolution);
 
 /// Prints report and notes as a table or as JSON. True if nothing disagrees.

@@ -429,6 +429,15 @@ BOOST_AUTO_TEST_CASE(a_shift_is_found_and_a_wide_error_is_undecided) {
     BOOST_TEST(verdict(23.7 - 5.0 * 0.005, 0.004) == "disagrees");
     BOOST_TEST(verdict(23.7, 0.04) == "undecided");  // within the error, which is above 0.1 %
     BOOST_TEST(verdict(23.7, NAN) == "undecided");
+    // kT of five blocks, four errors off: within Student's t of four degrees of freedom, but that times the
+    // error is 2 % of the value, more than was asked for
+    Averages few;
+    few.quantities = {{"kinetic_temperature", {1.0164, 0.0030, 5}}};
+    Reference const hot = reference_of({{"kinetic_temperature", {1.02849, 0.00005, 256}}});
+    BOOST_TEST(name_of(compare(few, hot, 0.01).comparisons.at(0).verdict) == "undecided");
+    BOOST_TEST(name_of(compare(few, hot, 0.02).comparisons.at(0).verdict) == "agrees");
+    few.quantities[0].estimate.blocks = 100;
+    BOOST_TEST(name_of(compare(few, hot, 0.01).comparisons.at(0).verdict) == "disagrees");
 
     Averages averages;
     averages.quantities = {{"pressure", {23.7, 0.004, 64}}, {"colour", {1.0, 0.1, 8}}};
