@@ -26,6 +26,7 @@
 #include "define_figure.hpp"
 #include "derived.hpp"
 #include "errors.hpp"
+#include "files.hpp"
 #include "judge_figure.hpp"
 #include "report.hpp"
 #include "run.hpp"
