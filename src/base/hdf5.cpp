@@ -1,3 +1,6 @@
+/// @file
+/// HDF5: metadata of H5MD.
+
 #include "hdf5.hpp"
 
 #include "version.hpp"

@@ -90,6 +90,8 @@ RULES = [
      r"\1 build/own.csv \2",
      "needs another code's output; the answer's own numbers must agree"),
     (r"dpdref run SCENE\.toml", "dpdref run verification/scenes/ideal_gas_rest.toml", "syntax"),
+    (r"dpdref run SCENE( --engine plain)", r"dpdref run verification/scenes/ideal_gas_rest.toml\1 "
+     "--set box.length=[5,5,5] --set time.duration=200", "syntax"),
     (r"dpdref run --json", "dpdref run verification/scenes/ideal_gas_shear.toml --json --set time.duration=5 "
      "--set time.equilibration=0", "syntax"),
 ]
