@@ -306,8 +306,8 @@ BOOST_AUTO_TEST_CASE(small_steps_reach_continuous_time) {
                boost::test_tools::tolerance(1e-12));
     BOOST_TEST(step.collision_viscosity.at_once == collision_viscosity(gas, thermostat, 0.03),
                boost::test_tools::tolerance(1e-12));
-    // friction x step = 0.18: chaos changes by 13 % in eq. 12, a pair that stays by less than 1 %
-    BOOST_TEST(step.collision_viscosity.at_once < 0.93 * limit.collision_viscosity.at_once);
+    // friction x step = 0.18 takes 4.8 % from eq. 12, and less than 1 % where pairs stay
+    BOOST_TEST(step.collision_viscosity.at_once < 0.96 * limit.collision_viscosity.at_once);
     BOOST_TEST(step.collision_viscosity.value() == limit.collision_viscosity.value(),
                boost::test_tools::tolerance(0.01));
 }
