@@ -352,7 +352,9 @@ def forgotten_parts(root, pieces):
         first = next(k for k, line in enumerate(lines) if line.startswith(part))
         last = next(k for k in range(first, len(lines)) if lines[k].rstrip().endswith(("};", "}")) or "}  //" in lines[k])
         without = "".join(lines[:first] + lines[last + 1:])
-        yield part.split("(")[0].split("{")[0].split()[-1], [(*struct[:3], without), *pieces[1:]], "src/scene/scene.cpp"
+        name = part.split("(")[0].split("{")[0].split()[-1]
+        asks = "src/figures/theory_arguments.cpp" if name == "set_arguments" else "src/scene/scene.cpp"
+        yield name, [(*struct[:3], without), *pieces[1:]], asks
     for k, (file, *_) in enumerate(pieces):
         if file.endswith("stages.cpp"):
             yield "the action of the engine", pieces[:k] + pieces[k + 1:], file
