@@ -397,7 +397,7 @@ def tutorial(root, build):
     check("""taught/dpdref run damping.toml --json >damped && taught/dpdref run damping.toml --engine plain --json >plainly \\
         && taught/dpdref run damping.toml --set damping.rate=0 --json >free && python3 -c '
 import json, math
-kT = [json.load(open(f))["kinetic_temperature"]["value"] for f in ("damped", "free", "plainly")]
+kT = [json.load(open(f))["quantities"]["kinetic_temperature"]["value"] for f in ("damped", "free", "plainly")]
 assert kT[0] == kT[2] and abs(kT[0] / kT[1] - math.exp(-0.1)) < 1e-12, kT
 print("kT", *kT)'""")
     return failures
