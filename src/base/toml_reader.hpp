@@ -52,14 +52,6 @@ public:
         return *value_of<Enum>(text(key, std::move(fallback), names<Enum>));
     }
 
-    /// An enumeration by its names, in the order of its values.
-    template <class Enum>
-    Enum choice(std::string const& key, std::optional<std::string> fallback,
-                std::span<std::string_view const> names) {
-        auto const chosen = std::find(names.begin(), names.end(), text(key, std::move(fallback), names));
-        return static_cast<Enum>(chosen - names.begin());
-    }
-
     std::vector<double> numbers(std::string const& key, std::optional<std::vector<double>> fallback,
                                 Allowed allowed);
     std::vector<std::string> texts(std::string const& key, std::optional<std::vector<std::string>> fallback,

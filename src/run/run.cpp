@@ -37,26 +37,17 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.hottest = divergence_factor * std::max(scene.kT, scene.thermostat_kT());
     simulation.pair_search.cutoff = scene.cutoff() > 0.0 ? scene.cutoff() : 1.0;
     simulation.stage_stress.wanted = scene.sample.asks("stress");
-    if (AnyPotential const* const known = scene.potential())
-        std::visit(
-            [&](auto const& potential) {
-                simulation.potential_sums = [potential](Simulation<d>& s) {
-                    return potential_sums(s, potential);
-                };
-            },
-            *known);
     simulation.pair_search.search = scene.search;
     simulation.pair_search.order = scene.order;
     simulation.sample = std::move(sample);
-    if (scene.engine == Engine::fast) {
-        for (AnyStage const& stage : scene.stages) simulation.stages.emplace_back(stage);
-        return simulation;
-    }
     simulation.pair_list.cutoff = simulation.pair_search.cutoff;
-    for (AnyStage const& stage : scene.stages) simulation.stages.push_back(plain_stage<d>(stage));
+    bool const plain = scene.engine == Engine::plain;
+    for (AnyStage const& stage : scene.stages)
+        simulation.stages.push_back(plain ? plain_stage<d>(stage) : Stage<d>(stage));
     if (AnyPotential const* const known = scene.potential())
-        simulation.potential_sums = [potential = *known](Simulation<d>& s) {
-            return plain_potential_sums(s, potential);
+        simulation.potential_sums = [plain, potential = *known](Simulation<d>& s) {
+            if (plain) return plain_potential_sums(s, potential);
+            return std::visit([&](auto const& p) { return potential_sums(s, p); }, potential);
         };
     return simulation;
 }

@@ -73,7 +73,7 @@ inside() {
         mount -t proc proc "$1/proc"
         mount --bind "$2" "$1/var/cache/apt/archives"
         exec chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 CI="${CI:-}" CXX="$CXX" \
-            http_proxy="${http_proxy:-}" sh -euc "cd /root/dpdref; $3"' sh "$root" "$packages" "$1" </dev/null
+            http_proxy="${http_proxy:-}" sh -euc "cd /srv/dpdref; $3"' sh "$root" "$packages" "$1" </dev/null
 }
 
 # Headers and libraries, unpacked: the packages of fresh.sh that hold some.
@@ -92,7 +92,7 @@ test_on_arm() {
 
 test_in_root() {
     make_root --variant=minbase --include=git
-    git clone -q "$repository" "$root/root/dpdref" || impossible "no clone"
+    git clone -q "$repository" "$root/srv/dpdref" || impossible "no clone"
     cp /etc/resolv.conf /etc/hosts "$root/etc/" || :
     {
         echo 'Acquire::Retries "5";'
