@@ -23,20 +23,21 @@ if(NOT DPDREF_HEADER MATCHES "name=\"viewport\"")
     string(REPLACE "<head>" "<head>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>"
            DPDREF_HEADER "${DPDREF_HEADER}")
 endif()
+# No box that says what MathJax loads; the search is the book's own.
+string(REPLACE "$mathjax" "<script type=\"text/x-mathjax-config\">MathJax.Hub.Config({messageStyle: 'none', displayAlign: 'left', displayIndent: '2em'})</script>\n$mathjax"
+       DPDREF_HEADER "${DPDREF_HEADER}")
 string(REPLACE "</head>" [[
 <script type="text/javascript" src="$relpath^doxygen-awesome-darkmode-toggle.js"></script>
 <script type="text/javascript" src="$relpath^doxygen-awesome-fragment-copy-button.js"></script>
 <script type="text/javascript" src="$relpath^doxygen-awesome-paragraph-link.js"></script>
-<script type="text/javascript">
-DoxygenAwesomeDarkModeToggle.init()
-DoxygenAwesomeFragmentCopyButton.init()
-DoxygenAwesomeParagraphLink.init()
-const scheme = document.documentElement.classList
-let before = ""
-addEventListener("beforeprint", () => { before = scheme.value; scheme.remove("dark-mode"); scheme.add("light-mode") })
-addEventListener("afterprint", () => { scheme.value = before })
-</script>
+<script type="text/javascript" src="$relpath^reader.js"></script>
+<script type="text/javascript">BookSearch.root = "$relpath^"</script>
 </head>]] DPDREF_HEADER "${DPDREF_HEADER}")
+string(REPLACE "<!--END TITLEAREA-->" [[
+<div id="search-row"><span id="MSearchBox"><input id="search-field" type="search" autocomplete="off" spellcheck="false"
+placeholder="Search: viscosity, Fig. 3b, eq. 12" aria-label="Search the book" aria-controls="search-results"/></span></div>
+<ol id="search-results" hidden="hidden" aria-label="What the search found"></ol>
+<!--END TITLEAREA-->]] DPDREF_HEADER "${DPDREF_HEADER}")
 file(WRITE ${DPDREF_BOOK}/header.html "${DPDREF_HEADER}")
 
 # From 1.9.5 on Doxygen has a dark mode of its own, which would fight with the theme's.
@@ -45,6 +46,12 @@ if(DOXYGEN_VERSION VERSION_GREATER_EQUAL 1.9.5)
     set(DPDREF_DOXYGEN_EXTRA "HTML_COLORSTYLE = LIGHT")
 endif()
 string(APPEND DPDREF_DOXYGEN_EXTRA "\nINPUT += \"${DPDREF_BOOK}/claims.md\"")
+file(GLOB DPDREF_FIGURES CONFIGURE_DEPENDS verification/*/figure.toml)
+foreach(figure ${DPDREF_FIGURES})
+    get_filename_component(figure ${figure} DIRECTORY)
+    get_filename_component(figure ${figure} NAME)
+    string(APPEND DPDREF_DOXYGEN_EXTRA "\nINPUT += \"${DPDREF_BOOK}/definition-${figure}.md\"")
+endforeach()
 configure_file(docs/Doxyfile.in ${DPDREF_BOOK}/Doxyfile @ONLY)
 
 # What MathJax needs to set TeX as SVG, which has no fonts to load and so works from the file system in any browser.
@@ -61,11 +68,12 @@ endforeach()
 add_custom_target(docs
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${DPDREF_BOOK}/html
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/verification/tools/equations.py --write ${DPDREF_BOOK}
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/docs/gallery.py ${DPDREF_BOOK}/gallery.md
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/docs/gallery.py ${DPDREF_BOOK}
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/verification/tools/claims.py --out ${DPDREF_BOOK}/claims.md
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/rooms.py --draw ${DPDREF_BOOK}/rooms.svg
     COMMAND ${DOXYGEN_EXECUTABLE} ${DPDREF_BOOK}/Doxyfile
     ${DPDREF_COPY_MATHJAX}
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/search_index.py ${DPDREF_BOOK}/html
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/links.py ${DPDREF_BOOK}/html
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     COMMENT "The book: ${DPDREF_BOOK}/html/index.html"

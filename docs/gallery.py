@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the page of all figures: picture and caption from verification/ID/figure.toml and figures/ID.svg.
+"""Writes the page of all figures, and for each a page with its definition, from verification/ID/figure.toml and figures/ID.svg.
 
-usage: gallery.py FILE.md. Python's standard library only.
+usage: gallery.py DIR      writes DIR/gallery.md and DIR/definition-ID.md. Python's standard library only.
 """
 
 import collections
@@ -53,31 +53,62 @@ def meaning(kinds):
     return lines
 
 
+def again(name):
+    """The command that draws a figure with another parameter"""
+    with (ROOT / "docs" / "captions.toml").open("rb") as captions:
+        return f"dpdref figure {name} --set '{tomllib.load(captions)[name]['change']}'"
+
+
+def definition(name, figure):
+    """The page that holds figure.toml, and says how to change it"""
+    folder = ROOT / "verification" / name
+    lines = [f"# Definition of {name} {{#definition-{name}}}", "",
+             f"What `dpdref figure {name}` simulates and compares, verification/{name}/figure.toml, and how it is drawn, plot.gp. "
+             f"The picture: \\ref figure-{name} \"{figure['title']}\". What the keys mean: \\ref figures.", "",
+             "**Another parameter.** `--set` changes a key of the scenes in every curve that has its table; the picture goes to figures/changed. "
+             "Only runs that are new are made. For example:", "",
+             f"    {again(name)}", ""]
+    for file, language in (("figure.toml", "toml"), ("plot.gp", "gnuplot")):
+        lines += [f"## {file} of {name}", "", f"```{language}", (folder / file).read_text(encoding="utf-8").rstrip(), "```", ""]
+    return "\n".join(lines)
+
+
 def main():
     lines = [
         "# Gallery {#gallery}",
         "",
-        "All figures that `dpdref figure` draws, at the papers' fidelity. How they are defined and judged: "
-        "\\ref figures. What they show: \\ref findings.",
+        "*What do all the figures look like, and how far may each be believed?* These are the figures that `dpdref figure` draws, at the "
+        "papers' fidelity. Under each stands what is seen, and what its verdicts mean: how many comparisons of which kind it holds, how they "
+        "came out, and from what deviation on one would have been noticed. *Agrees* is as strong as that last number. A point far from a line can "
+        "agree: where the line is a bound the verdict says that the point is on the right side of it.",
+        "",
+        "| kind | what it says |", "|---|---|",
+        *(f"| {kind} | {says} |" for kind, says in MEANING.items()),
+        "",
+        "How figures are defined and judged: \\ref figures. What they show: \\ref findings.",
     ]
     found = verdicts()
     figures = [(file.parent.name, tomllib.loads(file.read_text(encoding="utf-8")))
                for file in (ROOT / "verification").glob("*/figure.toml")]
     # a paper's figures in their order, then what its text states
     figures.sort(key=lambda f: (f[1]["paper"], not f[1]["figure"][:1].isdigit(), f[1]["figure"]))
+    folder = pathlib.Path(sys.argv[1])
     for name, figure in figures:
         where = f" Fig. {figure['figure']}" if figure["figure"][:1].isdigit() else ""
         lines += ["", f"## {figure['paper']}{where}: {plain(figure['title'])} {{#figure-{name}}}", ""]
         if (ROOT / "figures" / f"{name}.svg").is_file():
-            lines += [f"\\image html {name}.svg", ""]
+            lines += [f"@figure{{{name}}}", ""]
             if name in found:
-                lines += ["What its verdicts mean (`dpdref report`, \\ref figures \"verdicts\"):", "", *meaning(found[name]), ""]
+                lines += ["What its verdicts mean (`dpdref report`):", "", *meaning(found[name]), ""]
         else:
             lines += ["Not yet drawn at the paper's fidelity.", ""]
-        lines += [plain(figure["caption"]), "", f"Draw it: `dpdref figure {name}`"]
+        lines += [f"Set-up: {plain(figure['caption'])}", "",
+                  f"Draw it: `dpdref figure {name}`. With another parameter: `{again(name)}`. All of it: "
+                  f"\\subpage definition-{name} \"the definition of {name}\"."]
         if (ROOT / "figures" / f"{name}.convergence.svg").is_file():
             lines += ["", "Error against run time:", "", f"\\image html {name}.convergence.svg"]
-    pathlib.Path(sys.argv[1]).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        (folder / f"definition-{name}.md").write_text(definition(name, figure), encoding="utf-8")
+    (folder / "gallery.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -72,9 +72,10 @@ void print_summary(std::vector<Comparison> const& comparisons, std::filesystem::
 
 // Regenerates figures and prints their comparisons; false if one disagrees. A shard only runs.
 bool make_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
-                  std::string const& budget, CampaignOptions const& options) {
+                  std::string const& budget, CampaignOptions const& options,
+                  std::vector<std::string> const& changes = {}) {
     std::vector<Figure> figures;
-    for (auto const& id : ids) figures.push_back(load_figure(verification, id, budget));
+    for (auto const& id : ids) figures.push_back(load_figure(verification, id, budget, changes));
     std::map<std::string, std::vector<Comparison>> comparisons;
     auto const run_time = run_points(figures, options, [&](Figure const& one) {
         comparisons[one.id] = dpd::compare(one);
@@ -111,7 +112,7 @@ bool make_studies(std::filesystem::path const& directory, std::vector<std::strin
 }
 
 struct FigureChoice {
-    std::vector<std::string> ids;
+    std::vector<std::string> ids, changes;
     CampaignChoice campaign;
 };
 
@@ -121,14 +122,21 @@ Command figure(CLI::App& app) {
     auto const chosen = std::make_shared<FigureChoice>();
     auto* const command = app.add_subcommand("figure", "regenerate figures");
     command->add_option("ids", chosen->ids, "figure ids, or all")->required();
+    command
+        ->add_option(
+            "--set", chosen->changes,
+            "table.key=value, on top of the definition; into figures/changed unless --out says where")
+        ->allow_extra_args(false);
     chosen->campaign.add_to(*command);
     return {command, [chosen] {
-                auto const& [ids, campaign] = *chosen;
+                auto& [ids, changes, campaign] = *chosen;
+                if (!changes.empty() && campaign.output.empty()) campaign.output = "figures/changed";
                 auto const which =
                     ids == std::vector<std::string>{"all"} ? figure_ids(campaign.verification) : ids;
                 if (which.empty())
                     throw InputError(fmt::format("{}: holds no figures", campaign.verification));
-                return make_figures(campaign.verification, which, campaign.budget, campaign.options())
+                return make_figures(campaign.verification, which, campaign.budget, campaign.options(),
+                                    changes)
                            ? exit_done
                            : exit_disagrees;
             }};
@@ -156,9 +164,9 @@ Command work_precision(CLI::App& app) {
     command->add_option("ids", chosen->ids, "integrators, or one of the maps; default all");
     chosen->campaign.add_to(*command);
     return {command, [chosen] {
-                auto const& [ids, campaign] = *chosen;
-                return make_studies(std::filesystem::path(campaign.verification) / "work-precision", ids,
-                                    campaign.budget, campaign.options())
+                auto const& campaign = chosen->campaign;
+                return make_studies(std::filesystem::path(campaign.verification) / "work-precision",
+                                    chosen->ids, campaign.budget, campaign.options())
                            ? exit_done
                            : exit_disagrees;
             }};

@@ -132,14 +132,38 @@ std::pair<FigureCurve, Variation> read_curve(TomlReader& table) {
     return {std::move(curve), std::move(variation)};
 }
 
+// What --set changes in a figure, and in how many scenes it could.
+struct Change {
+    std::string assignment, table, key;  // "time.step=0.1", "time", "time.step"
+    std::size_t scenes = 0;
+};
+
+std::vector<Change> read_changes(std::vector<std::string> const& assignments) {
+    std::vector<Change> changes;
+    for (auto const& assignment : assignments) {
+        std::string const key = assignment.substr(0, assignment.find('='));
+        changes.push_back({assignment, key.substr(0, key.rfind('.')), key});
+    }
+    return changes;
+}
+
 // The scene of point v of a curve, as text.
 std::string scene_text(toml::table scene, Budget const& budget, FigureCurve const& curve,
-                       Variation const& variation, std::size_t v, std::string const& origin) {
+                       Variation const& variation, std::size_t v, std::vector<Change>& changes,
+                       std::string const& origin) {
     apply(scene, budget.settings, std::nullopt, origin);
     apply(scene, variation.settings, std::nullopt, origin);
     apply(scene, variation.along, v, origin);
     if (curve.record.empty())
         override_key(scene, fmt::format("{}={}", curve.parameter, variation.values[v]), origin);
+    for (auto& change : changes) {
+        if (!scene.at_path(change.table).is_table() && !scene.contains(change.key)) continue;
+        if (change.key == curve.parameter || variation.along.contains(change.key))
+            throw InputError(fmt::format("--set {}: curve {} of {} varies it along x; allowed: another key",
+                                         change.assignment, curve.name, origin));
+        override_key(scene, change.assignment, "--set");
+        ++change.scenes;
+    }
     auto const rescale = [&](std::string const& key, double factor) {
         if (auto* const node = scene.at_path(key).node())
             if (auto const time = node->value<double>())
@@ -165,7 +189,7 @@ std::vector<std::string> figure_ids(std::filesystem::path const& verification) {
 }
 
 Figure load_figure(std::filesystem::path const& verification, std::string const& id,
-                   std::string const& budget_name) {
+                   std::string const& budget_name, std::vector<std::string> const& assignments) {
     auto const path = verification / id / "figure.toml";
     if (!std::filesystem::exists(path))
         throw InputError(fmt::format("figure {}: unknown; allowed: all, {}", id,
@@ -182,6 +206,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
     figure.caption = root.text("caption", std::nullopt);
     auto const base = root.required_table("scene");
     Budget const budget = read_figure_budget(root, budget_name);
+    std::vector<Change> changes = read_changes(assignments);
     for (auto& table : root.tables("curve")) {
         auto [curve, variation] = read_curve(table);
         auto const& values = variation.values;
@@ -190,7 +215,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
             if (budget.name == "quick" && std::find(skip.begin(), skip.end(), values[v]) != skip.end())
                 continue;
             Scene const scene =
-                parse_scene(scene_text(base.raw(), budget, curve, variation, v, file),
+                parse_scene(scene_text(base.raw(), budget, curve, variation, v, changes, file),
                             fmt::format("{} ({}, {} = {})", file, curve.name, curve.parameter, values[v]));
             Point point;
             point.curve = figure.curves.size();
@@ -202,6 +227,13 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         figure.curves.push_back(std::move(curve));
     }
     root.finish();
+    for (auto const& change : changes) {
+        if (change.scenes == 0)
+            throw InputError(
+                fmt::format("--set {}: no curve of {} has a table '{}'; allowed: keys of its scenes",
+                            change.assignment, file, change.table));
+        figure.caption += fmt::format(" Changed: {}.", change.assignment);
+    }
     check_references(figure, file);
     return figure;
 }

@@ -3,7 +3,7 @@
 
 usage: browser.py FOLDER [PAGE.html...] [--pictures DIR]     FOLDER as the target `docs` makes it: BUILD/docs/html
 
-A defect is a formula that is not set, a picture that is not shown, a request that leaves the file system, a script
+On the front page it types into the search, too (FOUND says what must come first). A defect is a formula that is not set, a picture that is not shown, a request that leaves the file system, a script
 error, something wider than the screen that does not scroll in itself, something wider than the paper, text too faint
 to read, or navigation in print. One line each, then a summary.
 --pictures writes PNGs of what was seen, and the printed page as PDF.
@@ -37,7 +37,29 @@ VIEWS = (
 # some of the theme's colours of code do not.
 CONTRAST = 3
 
-READY = "new Promise(done => window.MathJax ? MathJax.Hub.Register.StartupHook('End', () => done(0)) : done(0))"
+# what is typed into the search, and the address that must stand first
+FOUND = (
+    ("viscosity", "viscosity.html"),
+    ("Fig. 3b", "gallery.html#figure-ng3b"),
+    ("NG2007 eq. 12", "equations.html#eq_NG2007_12"),
+    ("eq. 22", "equations.html#eq_MY1997_22"),
+    ("critical step", "glossary.html|step.html|my1997.html|equations.html"),
+    ("Shardlow", "integrators.html"),
+    ("frozen_limits", "stability"),
+    ("qwertz", None),
+)
+
+SEARCH = r"""(async words => {
+    const field = document.getElementById("search-field");
+    field.value = words;
+    await BookSearch.show();
+    const first = document.querySelector("#search-results a");
+    return first && first.getAttribute("href");
+})"""
+
+READY = """new Promise(done => window.MathJax ? MathJax.Hub.Register.StartupHook('End', () => done(0)) : done(0)).then(() => {
+    document.querySelectorAll('details').forEach(each => { each.open = true });
+    return new Promise(done => setTimeout(() => done(0), 0)); })"""
 
 FORMULAS = r"""(() => {
     const wrong = node => node && (node.type === "merror" || (node.data || []).some(n => n && n.data && wrong(n)));
@@ -214,6 +236,14 @@ class Browser:
             self.process.kill()
 
 
+def search(browser):
+    """defects of the search, on the page that is open"""
+    for words, wanted in FOUND:
+        first = browser.value(f"{SEARCH}({json.dumps(words)})")
+        if not any((first or "").startswith(page) and bool(first) == bool(page) for page in (wanted or "").split("|")):
+            yield f"search: '{words}' finds {first} first, not {wanted}"
+
+
 def look(browser, file, pictures):
     """(formulas, defects) of a page"""
     browser.events.clear()
@@ -241,6 +271,8 @@ def look(browser, file, pictures):
         defects.append(f"{seen['raw']} formulas shown as TeX")
     defects += [f"formula with an error: {text}" for text in seen["wrong"]]
     defects += [f"picture not shown: {source}" for source in seen["lost"]]
+    if file.name == "index.html":
+        defects += search(browser)
     for name, width, height, medium, scheme in VIEWS:
         browser.show(width, height, medium, scheme)
         layout = browser.value(f"{LAYOUT}({json.dumps(medium == 'print')})")

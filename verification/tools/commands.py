@@ -254,7 +254,7 @@ def generated_pages(root):
     """The book's pages that scripts write, as docs/docs.cmake does"""
     made = root / "made"
     made.mkdir()
-    for script in (["verification/tools/equations.py", "--write", "made"], ["docs/gallery.py", "made/gallery.md"],
+    for script in (["verification/tools/equations.py", "--write", "made"], ["docs/gallery.py", "made"],
                    ["verification/tools/claims.py", "--out", "made/claims.md"]):
         # whether they find mistakes is for the tests equations and claims
         subprocess.run([sys.executable, "-B", *script], cwd=root, stdout=subprocess.DEVNULL,

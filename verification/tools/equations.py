@@ -7,7 +7,6 @@ usage: equations.py                every equation has code and a test, or a reas
                                    test that a page cites exists; every line of code that it asks for is there; every
                                    measured number of a page is in the data (measured.py)
        equations.py --write DIR    the same, then writes the page DIR/equations.md
-       equations.py --label FILE   prints a page as Doxygen needs it (its filter): labels on the headings of derivations, measured numbers
 
 Exit code 1 with one line per mistake. Python's standard library only.
 """
@@ -58,12 +57,12 @@ def headings(file):
 
 
 def labelled(file):
+    """The text of a page, with labels on the headings of derivations"""
     lines = read(file).splitlines()
     if file.parent.name == "theory":
         for number, title in headings(file):
             lines[number] += f" {{#{label_of(file.stem, title)}}}"
     text = "\n".join(lines) + "\n"
-    text = measured.drawn(text)
     # Doxygen expands aliases in `...` and knows no **...** around a formula
     text = re.sub(r"`@eq\{([^}`]*)\}`", r"<code>\@eq{\1}</code>", text)
 
@@ -291,9 +290,6 @@ def page(book, tests):
 
 
 def main(arguments):
-    if len(arguments) == 2 and arguments[0] == "--label":
-        sys.stdout.write(labelled(pathlib.Path(arguments[1]).resolve()))
-        return 0
     if arguments and (len(arguments) != 2 or arguments[0] != "--write"):
         print(__doc__, file=sys.stderr)
         return 2

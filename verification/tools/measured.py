@@ -1,34 +1,76 @@
-"""Measured numbers in the pages of the book, drawn from the committed data of the figures.
+"""Numbers in the pages of the book: where each comes from. `drawn` replaces the marks by what the reader sees.
 
-In a page stands @measured{FIGURE;CURVE;QUANTITY;X;FORMAT}, and the book shows what figures/data/FIGURE.dat has there.
-FORMAT: `value` (0.399 +- 0.004), or `THEORY` (+50.0 +- 1.6), the deviation in per cent from what the part of the
-file CURVE:QUANTITY:THEORY compares with. A number that is not there is a ValueError, which fails the tests and the book.
-Python's standard library only.
+@measured{FIGURE;CURVE;QUANTITY;X;FORM}         from figures/data/FIGURE.dat, or FOLDER/FIGURE from figures/FOLDER/data
+@measured{FIGURE;CURVE;QUANTITY;X;FORM;SHAPE}   FORM: `value` (0.399 ± 0.004), or `THEORY` (+50.0 ± 1.6), the deviation in
+                                                per cent from what the part CURVE:QUANTITY:THEORY compares with, or
+                                                `of THEORY`, what it compares with. SHAPE, as in Python's formats, shows the number
+                                                without its error; `abs SHAPE` without its sign, too. X may be A..B: from the
+                                                smallest to the largest of these points, or, with `max SHAPE`, the largest size
+@ratio{FIGURE;CURVE;QUANTITY;X|FIGURE;CURVE;QUANTITY;X}       of two values, errors taken as independent
+@ratio{...|...;SHAPE}                           SHAPE as above; `percent` or `percent SHAPE`: the ratio less one in per cent
+@data{FILE;PART;X;EXPRESSION;SHAPE}             from figures/FILE.dat: columns $1, $2 ... of the row that begins with X (`all`,
+                                                or A..B: smallest to largest), sums, products, min, max, abs of them
+@recorded{ID}                                   what a command gave that is no figure; docs/recorded.toml has it, with the command
+@closed{ID ARGUMENTS;VALUE}                     a closed form; the test `numbers` asks `dpdref theory` for it
+@given{VALUE}                                   of the set-up, printed by a paper, or exact; nobody measured it
+
+A number that is not there is a ValueError, which fails the tests and the book. Python's standard library only.
 """
 
+import ast
 import functools
 import math
+import operator
 import pathlib
 import re
+import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MARK = re.compile(r"@measured\{([^{}]*)\}")
+MARK = re.compile(r"@(measured|ratio|data|recorded|closed|given)\{([^{}]*)\}")
+
+
+# --- data files: parts that begin with '# NAME', rows of numbers
 
 
 @functools.cache
-def parts(figure):
-    """name of a part of the data file -> x -> the row's numbers, as text"""
-    file = ROOT / "figures" / "data" / f"{figure}.dat"
+def parts(name):
+    """name of a part of figures/NAME.dat -> its rows, as text"""
+    file = ROOT / "figures" / f"{name}.dat"
     if not file.is_file():
-        raise ValueError(f"@measured: there is no figure {figure}")
+        raise ValueError(f"there is no figures/{name}.dat")
     found, part = {}, None
     for line in file.read_text(encoding="utf-8").splitlines():
         if line.startswith("# "):
-            part = found.setdefault(line[2:], {})
+            part = found.setdefault(line[2:], [])
         elif line and part is not None:
-            row = line.split()
-            part[float(row[0])] = row
+            part.append(line.split())
     return found
+
+
+def rows(name, part, x):
+    """of figures/NAME.dat: those that begin with x, with all numbers of x, or in the range A..B"""
+    found = parts(name).get(part)
+    if found is None:
+        raise ValueError(f"figures/{name}.dat has no '{part}'")
+    if x == "all":
+        chosen = found
+    elif ".." in x:
+        low, high = map(float, x.split(".."))
+        chosen = [row for row in found if low <= float(row[0]) <= high]
+    else:
+        wanted = [float(number) for number in x.split()]
+        chosen = [row for row in found if [float(number) for number in row[:len(wanted)]] == wanted]
+    if not chosen:
+        raise ValueError(f"figures/{name}.dat: '{part}' has no row {x}")
+    return chosen
+
+
+def name_of(figure):
+    folder, _, last = figure.rpartition("/")
+    return f"{folder + '/' if folder else ''}data/{last}"
+
+
+# --- how a number is shown
 
 
 def with_error(value, error, sign=""):
@@ -41,26 +83,125 @@ def with_error(value, error, sign=""):
     shown = round(value, digits)
     places = max(0, digits)
     text = f"{shown:{sign}.{places}f}" if shown else f"{0:.{places}f}"
-    return f"{text} +- {round(error, digits):.{places}f}"
+    return f"{text} ± {round(error, digits):.{places}f}"
 
 
-def number(figure, curve, quantity, x, form):
-    name = f"all:{curve}:{quantity}" if form == "value" else f"{curve}:{quantity}:{form}"
-    rows = parts(figure).get(name)
-    if rows is None or float(x) not in rows:
-        raise ValueError(f"@measured: figures/data/{figure}.dat has no '{name}' at {x}")
-    row = rows[float(x)]
+def shaped(value, shape):
+    text = format(value, shape)
+    if match := re.fullmatch(r"([-+]?[\d.]+)e([-+])0*(\d+)", text):
+        sign = "" if match[2] == "+" else "-"
+        return f"\\f${match[1]}\\cdot10^{{{sign}{match[3]}}}\\f$"
+    return text
+
+
+def span(values, shape):
+    """One number, or from the smallest to the largest"""
+    if shape.startswith("max "):
+        return shaped(max(abs(value) for value in values), shape.removeprefix("max "))
+    if shape.startswith("abs "):
+        shape, values = shape.removeprefix("abs "), [abs(value) for value in values]
+    low, high = shaped(min(values), shape), shaped(max(values), shape)
+    return low if low == high else f"{low} to {high}"
+
+
+# --- the marks
+
+
+def point(figure, curve, quantity, x, form="value"):
+    """[(value, error)] of the points, and the sign that they are shown with"""
+    name = name_of(figure)
     if form == "value":
-        return with_error(float(row[1]), float(row[2]))
-    return with_error(100.0 * float(row[4]), 100.0 * float(row[5]), "+")
+        return [(float(row[1]), float(row[2])) for row in rows(name, f"all:{curve}:{quantity}", x)], ""
+    chosen = rows(name, f"{curve}:{quantity}:{form.removeprefix('of ')}", x)
+    if form.startswith("of "):
+        return [(float(row[3]), 0.0) for row in chosen], ""
+    return [(100.0 * float(row[4]), 100.0 * float(row[5])) for row in chosen], "+"
+
+
+def measured(text):
+    fields = text.split(";")
+    if len(fields) not in (5, 6):
+        raise ValueError("needs FIGURE;CURVE;QUANTITY;X;FORM and perhaps a SHAPE")
+    points, sign = point(*fields[:5])
+    if len(fields) == 6:
+        return span([value for value, _ in points], fields[5])
+    if len(points) > 1:
+        raise ValueError("several points need a SHAPE")
+    return with_error(*points[0], sign)
+
+
+def ratio(text):
+    pair, _, shape = text.partition("|")[2].rpartition(";") if text.count(";") == 7 else (text.partition("|")[2], "", "")
+    ((above, above_error),), ((below, below_error),) = (point(*of.split(";"))[0] for of in (text.partition("|")[0], pair))
+    value = above / below
+    error = abs(value) * math.hypot(above_error / above, below_error / below)
+    if shape.startswith("percent"):
+        value, error, shape = 100.0 * (value - 1.0), 100.0 * error, shape.removeprefix("percent").strip()
+        return span([value], shape) if shape else with_error(value, error, "+")
+    return span([value], shape) if shape else with_error(value, error)
+
+
+OPERATIONS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+              ast.Pow: operator.pow, ast.USub: operator.neg}
+FUNCTIONS = {"min": min, "max": max, "abs": abs, "sqrt": math.sqrt}
+
+
+def arithmetic(text, row):
+    """Sums and products of a row's columns $1, $2 ..."""
+    def value(node):
+        match node:
+            case ast.Constant(value=number):
+                return number
+            case ast.Name(id=name) if name.startswith("column"):
+                return float(row[int(name.removeprefix("column")) - 1])
+            case ast.BinOp(left=left, op=op, right=right):
+                return OPERATIONS[type(op)](value(left), value(right))
+            case ast.UnaryOp(op=op, operand=operand):
+                return OPERATIONS[type(op)](value(operand))
+            case ast.Call(func=ast.Name(id=name), args=arguments):
+                return FUNCTIONS[name](*map(value, arguments))
+        raise ValueError(f"cannot compute '{text}'")
+
+    return value(ast.parse(text.replace("$", "column"), mode="eval").body)
+
+
+def data(text):
+    fields = text.split(";")
+    if len(fields) != 5:
+        raise ValueError("needs FILE;PART;X;EXPRESSION;SHAPE")
+    name, part, x, expression, shape = fields
+    return span([arithmetic(expression, row) for row in rows(name, part, x)], shape)
+
+
+@functools.cache
+def record():
+    return tomllib.loads((ROOT / "docs" / "recorded.toml").read_text(encoding="utf-8"))
+
+
+def recorded(text):
+    table, _, key = text.partition(".")
+    if key not in record().get(table, {}) or key == "command":
+        raise ValueError("docs/recorded.toml has no such number")
+    return str(record()[table][key])
+
+
+def closed(text):
+    call, _, value = text.rpartition(";")
+    if not call:
+        raise ValueError("needs ID ARGUMENTS;VALUE")
+    return value
+
+
+SOURCES = {"measured": measured, "ratio": ratio, "data": data, "recorded": recorded, "closed": closed,
+           "given": lambda text: text}
 
 
 def drawn(text):
     """A page with its numbers."""
     def one(match):
-        fields = match[1].split(";")
-        if len(fields) != 5:
-            raise ValueError(f"@measured{{{match[1]}}}: needs FIGURE;CURVE;QUANTITY;X;FORMAT")
-        return number(*fields)
+        try:
+            return SOURCES[match[1]](match[2])
+        except (ValueError, KeyError, IndexError, ZeroDivisionError, SyntaxError) as error:
+            raise ValueError(f"@{match[1]}{{{match[2]}}}: {error}") from error
 
     return MARK.sub(one, text)

@@ -95,9 +95,10 @@ std::string with_curves(std::string const& curves) {
 struct Fixture {
     Fixture() { std::filesystem::create_directories(directory / "test"); }
     ~Fixture() { std::filesystem::remove_all(directory); }
-    Figure load(std::string const& definition, std::string const& budget = "quick") const {
+    Figure load(std::string const& definition, std::string const& budget = "quick",
+                std::vector<std::string> const& changes = {}) const {
         std::ofstream(directory / "test" / "figure.toml") << definition;
-        return load_figure(directory, "test", budget);
+        return load_figure(directory, "test", budget, changes);
     }
     /// What is complained of; empty if nothing is.
     std::string complaint(std::string const& definition) const {
@@ -228,6 +229,35 @@ BOOST_AUTO_TEST_CASE(of_the_keys_that_change_a_scene_the_last_one_counts) {
         BOOST_TEST(run.stage<Shardlow>()->friction == (p == 0 ? 1.0 : 9.0));
     }
     BOOST_TEST(figure.points[2].runs[0].stage<Shardlow>()->kT == 3.0);
+}
+
+BOOST_AUTO_TEST_CASE(changes_count_last_in_the_scenes_that_have_the_table) {
+    std::string const curves =
+        "[[curve]]\nname = 'a'\nvary = 'time.step'\nvalues = [0.1, 0.2]\n"
+        "set = { 'shardlow.friction' = 3.0 }\n"
+        "[[curve]]\nname = 'b'\nvary = 'particles.mass'\nvalues = [1.0]\n"
+        "set = { 'sample.profile.bins' = 4 }\n";
+    Figure const figure = load(with_curves(curves), "quick",
+                               {"shardlow.friction=7", "particles.density=4.0", "sample.profile.bins=6"});
+    BOOST_REQUIRE(figure.points.size() == 3u);
+    for (auto const& point : figure.points) {
+        BOOST_TEST(point.runs.front().stage<Shardlow>()->friction == 7.0);
+        BOOST_TEST(point.runs.front().particles == 64u);
+    }
+    BOOST_TEST(figure.caption ==
+               "a caption Changed: shardlow.friction=7. Changed: particles.density=4.0. Changed: "
+               "sample.profile.bins=6.");
+    auto const complains = [&](std::string const& change, std::string const& words) {
+        BOOST_CHECK_EXCEPTION(load(with_curves(curves), "quick", {change}), InputError,
+                              [&](InputError const& error) {
+                                  std::string const message = error.what();
+                                  BOOST_TEST_MESSAGE(message);
+                                  return message.find(words) != std::string::npos;
+                              });
+    };
+    complains("time.step=0.3", "curve a of ");
+    complains("walls.strength=1", "has a table 'walls'");
+    complains("particles.densty=4", "densty");
 }
 
 BOOST_AUTO_TEST_CASE(seeds_of_points_and_runs) {

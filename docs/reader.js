@@ -1,0 +1,99 @@
+// The head of every page: dark mode, solutions that unfold, and the search over pages, figures, equations and names.
+// The index is a script, not data that is fetched, so that it works from the file system.
+DoxygenAwesomeDarkModeToggle.init()
+DoxygenAwesomeFragmentCopyButton.init()
+DoxygenAwesomeParagraphLink.init()
+
+// Paper is white, and has no folds.
+const scheme = document.documentElement.classList
+let before = ""
+const solutions = open => document.querySelectorAll("details.solution").forEach(each => { each.open = open })
+addEventListener("beforeprint", () => {
+    before = scheme.value
+    scheme.remove("dark-mode")
+    scheme.add("light-mode")
+    solutions(true)
+})
+addEventListener("afterprint", () => { scheme.value = before; solutions(false) })
+// Formulas are set while solutions are open, since what is hidden has no size.
+addEventListener("load", () => {
+    if (window.MathJax) MathJax.Hub.Register.StartupHook("End", () => solutions(false))
+    else solutions(false)
+})
+
+const BookSearch = {
+    words: text => text.toLowerCase().normalize("NFKD").replace(/[\u0300-\u036f]/g, "").match(/[\p{L}\p{N}]+/gu) || [],
+
+    // The entries that have all words of the query, best first: a word of the title counts more than the beginning of
+    // one, that more than the text; figures and equations come first when a number is asked for.
+    find(query, entries) {
+        const wanted = BookSearch.words(query)
+        if (!wanted.length) return []
+        const number = wanted.some(word => /\d/.test(word))
+        const found = []
+        for (const entry of entries) {
+            if (!entry.words) {
+                entry.words = BookSearch.words(entry.title)
+                entry.body = " " + entry.text.toLowerCase()
+            }
+            let score = { page: 8, figure: number ? 20 : 4, equation: number ? 20 : 2, section: 3, code: -15 }[entry.kind]
+            for (const word of wanted) {
+                if (entry.words.includes(word)) score += 20
+                else if (entry.words.some(w => w.startsWith(word))) score += 10
+                else if (word.length > 1 && entry.body.includes(word)) score += 1
+                else { score = -Infinity; break }
+            }
+            if (score > -20) found.push({ entry, score: score - 0.2 * entry.words.length + (entry.words[0] === wanted[0] ? 3 : 0) })
+        }
+        return found.sort((a, b) => b.score - a.score).slice(0, 20).map(each => each.entry)
+    },
+
+    load: () => BookSearch.loading ||= new Promise(done => {
+        const script = document.createElement("script")
+        script.src = BookSearch.root + "search_index.js"
+        script.onload = () => done(window.bookIndex.map(([url, kind, title, page, text]) => ({ url, kind, title, page, text })))
+        document.head.append(script)
+    }),
+
+    excerpt(entry, query) {
+        const word = BookSearch.words(query).find(w => entry.body.includes(w))
+        const at = word ? Math.max(0, entry.body.indexOf(word) - 40) : 0
+        return (at ? "…" : "") + entry.text.slice(at, at + 110) + (entry.text.length > at + 110 ? "…" : "")
+    },
+
+    async show() {
+        const field = document.getElementById("search-field"), list = document.getElementById("search-results")
+        const query = field.value
+        const found = query.trim() ? BookSearch.find(query, await BookSearch.load()) : []
+        if (query !== field.value) return  // typed on meanwhile
+        list.replaceChildren(...found.map(entry => {
+            const link = document.createElement("a"), text = document.createElement("span")
+            link.href = BookSearch.root + entry.url
+            link.textContent = entry.title
+            text.textContent = (entry.page && entry.page !== entry.title ? entry.page + ": " : "") + BookSearch.excerpt(entry, query)
+            link.append(text)
+            const item = document.createElement("li")
+            item.append(link)
+            return item
+        }))
+        if (query.trim() && !found.length) list.textContent = "nothing found"
+        list.hidden = !query.trim()
+    },
+
+    start() {
+        const field = document.getElementById("search-field"), list = document.getElementById("search-results")
+        field.addEventListener("input", BookSearch.show)
+        field.addEventListener("focus", BookSearch.show)
+        document.addEventListener("click", event => { if (!event.target.closest("#search-row, #search-results")) list.hidden = true })
+        document.addEventListener("keydown", event => {
+            const links = [...list.querySelectorAll("a")], at = links.indexOf(document.activeElement)
+            if (event.key === "Escape") { list.hidden = true; field.blur() }
+            else if (event.key === "/" && !/INPUT|TEXTAREA/.test(document.activeElement.tagName)) { event.preventDefault(); field.focus() }
+            else if (list.hidden) return
+            else if (event.key === "ArrowDown" && links.length) { event.preventDefault(); links[(at + 1) % links.length].focus() }
+            else if (event.key === "ArrowUp" && at >= 0) { event.preventDefault(); (links[at - 1] || field).focus() }
+            else if (event.key === "Enter" && document.activeElement === field && links.length) { event.preventDefault(); links[0].click() }
+        })
+    },
+}
+addEventListener("DOMContentLoaded", BookSearch.start)

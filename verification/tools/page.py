@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""A page of the book as Doxygen reads it: its filter for *.md, and the order of the pages.
+
+usage: page.py FILE        prints the page with
+                           labels on the headings of derivations (equations.py),
+                           measured numbers (measured.py),
+                           @figure{ID}: the picture, with its caption from docs/captions.toml and a link to its definition,
+                           \\solution ... \\endsolution: what a reader unfolds,
+                           previous, contents and next at its end, in the order of docs/book.md
+       page.py --check     every page is in the contents, every picture has a caption; exercises and their commands are counted
+
+Python's standard library only.
+"""
+
+import functools
+import pathlib
+import re
+import sys
+import tomllib
+
+sys.dont_write_bytecode = True  # no __pycache__ beside the sources
+import equations
+import measured
+from equations import ROOT, read
+
+EXERCISES = 30  # at least, each with a solution by command
+MARK = re.compile(r"@figure\{([\w-]+)\}")
+LABEL = re.compile(r"# [^\n]*\{#([\w-]+)\}")
+WRITTEN = {"equations", "gallery", "claims"}  # pages that scripts make
+
+
+@functools.cache
+def contents():
+    """[(label, title)] in the order of docs/book.md"""
+    return re.findall(r'\\subpage ([\w-]+) "([^"]+)"', read(ROOT / "docs" / "book.md"))
+
+
+@functools.cache
+def captions():
+    return tomllib.loads(read(ROOT / "docs" / "captions.toml"))
+
+
+def picture(name):
+    """file, what it is, where more is said"""
+    entry = captions()[name]
+    if "folder" in entry:
+        return f"figures/{entry['folder']}/{name}.svg", "", f"`{entry['again']}` draws it."
+    figure = tomllib.loads(read(ROOT / "verification" / name / "figure.toml"))
+    number = figure["figure"]
+    title = f"{figure['paper']} Fig. {number}" if number[:1].isdigit() else f"{figure['paper']}, {number}"
+    return (f"figures/{name}.svg", f"<b>{title}.</b> ",
+            f"\\ref figure-{name} \"Verdicts\", \\ref definition-{name} \"definition, and how to change a parameter\".")
+
+
+def shown(name):
+    """A picture in a page: Doxygen's Markdown"""
+    if name not in captions():
+        raise ValueError(f"@figure{{{name}}}: docs/captions.toml has no such picture")
+    file, title, more = picture(name)
+    text = " ".join(captions()[name]["caption"].split())
+    return (f"\\image html {pathlib.Path(file).name}\n\n"
+            f"<div class=\"caption\">\n{title}{text}\n<span class=\"more\">{more}</span>\n</div>\n")
+
+
+def ends(text):
+    """Previous, contents, next"""
+    label = LABEL.match(text)
+    labels = [at for at, _ in contents()]
+    if not label or label[1] not in labels:
+        return ""
+    at = labels.index(label[1])
+    links = []
+    for kind, here in (("previous", at - 1), ("next", at + 1)):
+        if 0 <= here < len(labels):
+            links.append(f"<span class=\"{kind}\">\\ref {labels[here]} \"{contents()[here][1]}\"</span>")
+        else:
+            links.append(f"<span class=\"{kind}\"></span>")
+    links.insert(1, "<span class=\"contents-link\">\\ref book \"Contents\"</span>")
+    return "\n\n<div class=\"path\">\n" + "\n".join(links) + "\n</div>\n"
+
+
+def made(file):
+    text = equations.labelled(file)
+    text = measured.drawn(text)
+    text = MARK.sub(lambda match: shown(match[1]), text)
+    # open where scripts are off and on paper; the head of the pages closes them
+    text = re.sub(r"^\\solution$", "\\\\htmlonly <details class=\"solution\" open><summary>Solution</summary> \\\\endhtmlonly", text,
+                  flags=re.MULTILINE)
+    text = re.sub(r"^\\endsolution$", r"\\htmlonly </details> \\endhtmlonly", text, flags=re.MULTILINE)
+    return text.rstrip() + ends(text) + "\n"
+
+
+def mistakes():
+    labels = [label for label, _ in contents()]
+    found = {}
+    for file in equations.pages():
+        text = read(file)
+        where = file.relative_to(ROOT)
+        if not (label := LABEL.match(text)):
+            yield f"{where}: begins with no heading that has a label"
+            continue
+        found[label[1]] = text
+        if label[1] != "book" and label[1] not in labels:
+            yield f"{where}: docs/book.md has no \\subpage {label[1]}"
+        for name in MARK.findall(text):
+            if name not in captions():
+                yield f"{where}: docs/captions.toml has no picture {name}"
+    for label in labels:
+        if label not in found and label not in WRITTEN:
+            yield f"docs/book.md: no page {label}"
+    for name in captions():
+        file, _, _ = picture(name)
+        if not (ROOT / file).is_file():
+            yield f"docs/captions.toml: no picture {file}"
+    for name in sorted(file.parent.name for file in (ROOT / "verification").glob("*/figure.toml")):
+        if name not in captions():
+            yield f"docs/captions.toml: nothing on the figure {name}"
+        elif "change" not in captions()[name]:
+            yield f"docs/captions.toml: {name}: no change, a parameter to try"
+        elif sum(f"@figure{{{name}}}" in text for text in found.values()) < 1:
+            yield f"the figure {name} stands in no page: @figure{{{name}}}"
+    solutions = 0
+    for label, text in found.items():
+        for exercise in re.split(r"^\*\*\d+\. ", text.partition("\n## Exercises\n")[2], flags=re.MULTILINE)[1:]:
+            solution = re.search(r"^\\solution\n(.*?)^\\endsolution$", exercise, flags=re.DOTALL | re.MULTILINE)
+            if solution and re.search(r"^    dpdref ", solution[1], flags=re.MULTILINE):
+                solutions += 1
+            else:
+                yield f"{label}: no solution by command to '{exercise.partition('*')[0]}'"
+    if solutions < EXERCISES:
+        yield f"{solutions} exercises, {EXERCISES} are asked"
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        print(__doc__, file=sys.stderr)
+        return 2
+    if arguments[0] != "--check":
+        sys.stdout.write(made(pathlib.Path(arguments[0]).resolve()))
+        return 0
+    found = list(mistakes())
+    for mistake in found:
+        print(f"page: {mistake}", file=sys.stderr)
+    print(f"{len(contents())} pages in the contents, {len(captions())} pictures")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
