@@ -3,13 +3,14 @@
 @measured{FIGURE;CURVE;QUANTITY;X;FORM}         from figures/data/FIGURE.dat, or FOLDER/FIGURE from figures/FOLDER/data
 @measured{FIGURE;CURVE;QUANTITY;X;FORM;SHAPE}   FORM: `value` (0.399 ± 0.004), or `THEORY` (+50.0 ± 1.6), the deviation in
                                                 per cent from what the part CURVE:QUANTITY:THEORY compares with, or
-                                                `of THEORY`, what it compares with. SHAPE, as in Python's formats, shows the number
+                                                `of THEORY`, what it compares with; `from value`, the deviation from a number. SHAPE, as in Python's formats, shows the number
                                                 without its error; `abs SHAPE` without its sign, too. X may be A..B: from the
                                                 smallest to the largest of these points, or, with `max SHAPE`, the largest size
 @ratio{FIGURE;CURVE;QUANTITY;X|FIGURE;CURVE;QUANTITY;X}       of two values, errors taken as independent
 @ratio{...|...;SHAPE}                           SHAPE as above; `percent` or `percent SHAPE`: the ratio less one in per cent
 @data{FILE;PART;X;EXPRESSION;SHAPE}             from figures/FILE.dat: columns $1, $2 ... of the row that begins with X (`all`,
                                                 or A..B: smallest to largest), sums, products, min, max, abs of them
+@report{FIGURE;CURVE;QUANTITY;X;COLUMN;SHAPE}   a column of figures/report.csv, the first row of that point
 @recorded{ID}                                   what a command gave that is no figure; docs/recorded.toml has it, with the command
 @closed{ID ARGUMENTS;VALUE}                     a closed form; the test `numbers` asks `dpdref theory` for it
 @given{VALUE}                                   of the set-up, printed by a paper, or exact; nobody measured it
@@ -18,6 +19,7 @@ A number that is not there is a ValueError, which fails the tests and the book. 
 """
 
 import ast
+import csv
 import functools
 import math
 import operator
@@ -26,7 +28,7 @@ import re
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MARK = re.compile(r"@(measured|ratio|data|recorded|closed|given)\{([^{}]*)\}")
+MARK = re.compile(r"@(measured|ratio|data|report|recorded|closed|given)\{([^{}]*)\}")
 
 
 # --- data files: parts that begin with '# NAME', rows of numbers
@@ -49,7 +51,7 @@ def parts(name):
 
 def rows(name, part, x):
     """of figures/NAME.dat: those that begin with x, with all numbers of x, or in the range A..B"""
-    found = parts(name).get(part)
+    found = parts(name).get(part) or next((lines for at, lines in parts(name).items() if at.startswith(part + ": ")), None)
     if found is None:
         raise ValueError(f"figures/{name}.dat has no '{part}'")
     if x == "all":
@@ -112,7 +114,7 @@ def point(figure, curve, quantity, x, form="value"):
     name = name_of(figure)
     if form == "value":
         return [(float(row[1]), float(row[2])) for row in rows(name, f"all:{curve}:{quantity}", x)], ""
-    chosen = rows(name, f"{curve}:{quantity}:{form.removeprefix('of ')}", x)
+    chosen = rows(name, f"{curve}:{quantity}:{form.removeprefix('of ').removeprefix('from ')}", x)
     if form.startswith("of "):
         return [(float(row[3]), 0.0) for row in chosen], ""
     return [(100.0 * float(row[4]), 100.0 * float(row[5])) for row in chosen], "+"
@@ -174,6 +176,20 @@ def data(text):
 
 
 @functools.cache
+def report_rows():
+    with (ROOT / "figures" / "report.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def report(text):
+    figure, curve, quantity, x, column, shape = text.split(";")
+    for row in report_rows():
+        if (row["figure"], row["curve"], row["quantity"]) == (figure, curve, quantity) and float(row["x"]) == float(x):
+            return span([float(row[column])], shape)
+    raise ValueError("figures/report.csv has no such row")
+
+
+@functools.cache
 def record():
     return tomllib.loads((ROOT / "docs" / "recorded.toml").read_text(encoding="utf-8"))
 
@@ -192,7 +208,7 @@ def closed(text):
     return value
 
 
-SOURCES = {"measured": measured, "ratio": ratio, "data": data, "recorded": recorded, "closed": closed,
+SOURCES = {"measured": measured, "ratio": ratio, "data": data, "report": report, "recorded": recorded, "closed": closed,
            "given": lambda text: text}
 
 
