@@ -59,7 +59,7 @@ def shown(name):
     file, title, more = picture(name)
     text = " ".join(captions()[name]["caption"].split())
     return (f"\\image html {pathlib.Path(file).name}\n\n"
-            f"<div class=\"caption\">\n{title}{text}\n<span class=\"more\">{more}</span>\n</div>\n")
+            f"<div class=\"seen\">\n{title}{text}\n<span class=\"more\">{more}</span>\n</div>\n")
 
 
 def ends(text):
