@@ -1,37 +1,23 @@
 #include "encounter.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "closed_forms.hpp"
+#include "encounter_basis.hpp"
 
 namespace dpd::theory {
 namespace {
 
-double square(double x) { return x * x; }
-
-/// Thermal speed of one component of g, whose variance is 2.
-constexpr double speed = std::numbers::sqrt2;
+using namespace encounter;
 
 // -----------------------------------------------------------------------------------------------------------
 // Velocities
-
-/// A polynomial in the velocity u = g/speed: Hermite of order i along r^, and across it the m-th power of
-/// u_t times Laguerre of order p in u_t^2/2, all orthonormal under the Maxwell distribution.
-struct VelocityFunction {
-    int m, i, p;
-    int tangential_degree() const { return 2 * p + m; }
-    int degree() const { return i + tangential_degree(); }
-};
 
 /// Share of an even function in what streaming makes of it in an odd one: slope d/dr + rotation/r.
 struct Coupling {
@@ -43,7 +29,7 @@ struct Coupling {
 /// even ones up to `degree`, the odd ones up to degree + 1, which are all that streaming makes of the even.
 class VelocityBasis {
 public:
-    VelocityBasis(int d, int rank, int degree) : d_(d), rank_(rank), m_max_(d == 2 ? 1 : rank) {
+    VelocityBasis(int d, int rank, int degree) : d_(d), rank_(rank), m_max_(highest_m(d, rank)) {
         for (int m = 0; m <= m_max_; ++m)
             for (int p = 0; 2 * p + m <= degree + 1; ++p)
                 for (int i = 0; i + 2 * p + m <= degree + 1; ++i) {
@@ -70,9 +56,6 @@ private:
         return found == list.end() ? -1 : static_cast<int>(found - list.begin());
     }
 
-    /// Index of the Laguerre polynomials.
-    double laguerre(int m) const { return 0.5 * (d_ - 1) + m - 1; }
-
     /// By how much the rotation of r^ takes tensors of u_t^m to those of u_t^(m+1).
     // [turning]
     double turning(int m) const {
@@ -86,7 +69,7 @@ private:
     void stream(int k) {
         auto const [m, i, p] = even[k];
         int const e = even[k].tangential_degree();
-        double const a = laguerre(m);
+        double const a = laguerre_index(d_, m);
         auto const add = [&](VelocityFunction to, double slope, double rotation) {
             int const row = odd_index(to.m, to.i, to.p);
             if (row >= 0) streaming[row].push_back({k, slope, rotation});
@@ -112,77 +95,6 @@ private:
 };
 
 // -----------------------------------------------------------------------------------------------------------
-// Distances
-
-constexpr int order = 4;  ///< of the polynomials in r on an element
-using ElementVector = Eigen::Matrix<double, order + 1, 1>;
-using ElementMatrix = Eigen::Matrix<double, order + 1, order + 1>;
-
-/// A quadrature point of an element: r, its share of the volume, and the shape functions and their slopes.
-struct Point {
-    double r, volume;
-    ElementVector shape, slope;
-};
-
-/// Value and slope of the Lagrange polynomials through Chebyshev's points of [0, 1].
-std::pair<ElementVector, ElementVector> shape_functions(double x) {
-    auto const node = [](int a) { return 0.5 * (1.0 - std::cos(std::numbers::pi * a / order)); };
-    ElementVector value, slope;
-    for (int a = 0; a <= order; ++a) {
-        value[a] = 1.0;
-        slope[a] = 0.0;
-        for (int b = 0; b <= order; ++b) {
-            if (b == a) continue;
-            double const width = node(a) - node(b);
-            slope[a] = slope[a] * (x - node(b)) / width + value[a] / width;
-            value[a] *= (x - node(b)) / width;
-        }
-    }
-    return {value, slope};
-}
-
-/// Elements from r = 0 to far outside the range, where the functions are zero.
-class RadialMesh {
-public:
-    explicit RadialMesh(int d) : d_(d) {
-        constexpr int inside = 8;
-        constexpr double growth = 2.0, outermost = 60.0;
-        // finer at r = 0, where r^ turns fast, and at the edge, where the friction sets in
-        for (int j = 0; j <= inside; ++j)
-            ends_.push_back(0.5 * (1.0 - std::cos(std::numbers::pi * j / inside)));
-        ends_.back() = 1.0;
-        double width = ends_[inside] - ends_[inside - 1];
-        while (ends_.back() < outermost) {
-            width = std::min(growth * width, 0.5 * ends_.back() + 0.1);
-            ends_.push_back(ends_.back() + width);
-        }
-    }
-
-    int elements() const { return static_cast<int>(ends_.size()) - 1; }
-    int nodes() const { return elements() * order; }  ///< without the outermost, which is held at zero
-
-    std::vector<Point> points(int element) const {
-        using Gauss = boost::math::quadrature::gauss<double, 10>;  // holds the nodes >= 0 only
-        double const start = ends_[element], width = ends_[element + 1] - start;
-        std::vector<Point> result;
-        for (std::size_t g = 0; g < Gauss::abscissa().size(); ++g)
-            for (double const sign : {-1.0, 1.0}) {
-                double const x = 0.5 * (1.0 + sign * Gauss::abscissa()[g]);
-                auto const [value, slope] = shape_functions(x);
-                double const r = start + width * x;
-                double const volume =
-                    unit_sphere_surface(d_) * std::pow(r, d_ - 1) * 0.5 * width * Gauss::weights()[g];
-                result.push_back({r, volume, value, slope / width});
-            }
-        return result;
-    }
-
-private:
-    int d_;
-    std::vector<double> ends_;
-};
-
-// -----------------------------------------------------------------------------------------------------------
 // The equation -L h = S of theory/memory.md, odd functions eliminated
 
 /// Even functions of the velocity that are coupled by streaming to an odd one and back, with their matrix on
@@ -192,28 +104,29 @@ struct Block {
     ElementMatrix matrix;
 };
 
+constexpr int elements_inside = 8;
+constexpr double outermost = 60.0;
+
 class EncounterSolver {
 public:
     EncounterSolver(Encounter const& pair, int rank, int degree)
-        : pair_(pair), degree_(degree), basis_(pair.d, rank, degree), mesh_(pair.d) {}
+        : pair_(pair),
+          degree_(degree),
+          basis_(pair.d, rank, degree),
+          mesh_(pair.d, elements_inside, outermost) {}
 
     // [rate]
     /// What the medium and the partner take from a function of the velocity per unit time. In steps c of it
     /// is left after a collision, and the rate is (2/step) (1 - c)/(1 + c).
     double rate(VelocityFunction const& f, double r) const {
-        if (pair_.step == 0.0) return pair_.medium * f.degree() + 2.0 * friction(r) * f.i;
+        if (pair_.step == 0.0) return pair_.medium * f.degree() + loss(pair_, f.i, r);
         double const c = kept(f, r);
         return 2.0 / pair_.step * (1.0 - c) / (1.0 + c);
     }
     double kept(VelocityFunction const& f, double r) const {
-        return std::exp(-pair_.medium * pair_.step * f.degree()) * std::pow(1.0 - 2.0 * collision(r), f.i);
+        return std::exp(-pair_.medium * pair_.step * f.degree()) * (1.0 - pair_.step * loss(pair_, f.i, r));
     }
     // [rate]
-    double friction(double r) const { return pair_.friction * weight_at(pair_.weight, r); }
-    /// A of the pair's collision.
-    double collision(double r) const { return update_a(pair_.scheme, friction(r) * pair_.step); }
-    /// A/step, which is w in continuous time.
-    double impulse(double r) const { return pair_.step == 0.0 ? friction(r) : collision(r) / pair_.step; }
 
     int unknowns() const { return mesh_.nodes() * even_count(); }
 
@@ -250,45 +163,46 @@ public:
 
     Eigen::VectorXd solve(Eigen::VectorXd const& source) const { return cholesky_.solve(source); }
 
-    /// Sources are functions of the velocity times amplitudes amplitude(r). Of a step the solution needs them
-    /// times 2/(1 + c), and what the equal factors at the same step would add is taken away (2).
+    /// Of a step the solution needs a source times 2/(1 + c), and what the equal factors at the same step
+    /// would add is taken away (2).
     // [source]
-    template <class Amplitude>
-    double at_same_step(VelocityFunction f, Amplitude const& amplitude) const {
+    double at_same_step(Source const& source) const {
         double sum = 0.0;
         for_each_point_in_range([&](int, Point const& point) {
-            sum += point.volume * pair_.step * square(amplitude(point.r)) / (1.0 + kept(f, point.r));
+            sum += point.volume * pair_.step * square(source.amplitude(pair_, point.r)) /
+                   (1.0 + kept(source.function, point.r));
         });
         return sum;
     }
-    double enhanced(VelocityFunction f, double r, double amplitude) const {
-        return pair_.step == 0.0 ? amplitude : 2.0 * amplitude / (1.0 + kept(f, r));
+    double enhanced(Source const& source, double r) const {
+        double const amplitude = source.amplitude(pair_, r);
+        return pair_.step == 0.0 ? amplitude : 2.0 * amplitude / (1.0 + kept(source.function, r));
     }
     // [source]
 
-    /// A source in the odd function f: its share in the equation of the even functions, and what it
+    /// A source in an odd function: its share in the equation of the even functions, and what it
     /// remembers before it streams at all.
-    template <class Amplitude>
-    std::pair<Eigen::VectorXd, double> odd_source(VelocityFunction f, Amplitude const& amplitude) const {
-        Eigen::VectorXd source = Eigen::VectorXd::Zero(unknowns());
+    std::pair<Eigen::VectorXd, double> odd_source(Source const& source) const {
+        Eigen::VectorXd share = Eigen::VectorXd::Zero(unknowns());
         double at_once = 0.0;
+        auto const& f = source.function;
         int const o = basis_.odd_index(f.m, f.i, f.p);
         for_each_point_in_range([&](int element, Point const& point) {
-            double const a = enhanced(f, point.r, amplitude(point.r)), relaxed = a / rate(f, point.r);
+            double const a = enhanced(source, point.r), relaxed = a / rate(f, point.r);
             at_once += point.volume * a * relaxed;
             for (auto const& coupling : basis_.streaming[o])
-                add(source, element, coupling.from,
+                add(share, element, coupling.from,
                     -point.volume * speed * relaxed * streamed(coupling, point));
         });
-        return {source, at_once};
+        return {share, at_once};
     }
 
-    /// A source in the even function f, added to `source`.
-    template <class Amplitude>
-    void add_even_source(Eigen::VectorXd& source, VelocityFunction f, Amplitude const& amplitude) const {
+    /// A source in an even function, added to `sum`.
+    void add_even_source(Eigen::VectorXd& sum, Source const& source) const {
+        auto const& f = source.function;
         int const k = basis_.even_index(f.m, f.i, f.p);
         for_each_point_in_range([&](int element, Point const& point) {
-            add(source, element, k, point.volume * enhanced(f, point.r, amplitude(point.r)) * point.shape);
+            add(sum, element, k, point.volume * enhanced(source, point.r) * point.shape);
         });
     }
 
@@ -352,22 +266,7 @@ private:
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> cholesky_;
 };
 
-void check(Encounter const& pair, int degree) {
-    unit_sphere_surface(pair.d);  // checks d
-    for (double const rate : {pair.friction, pair.medium})
-        if (!(rate > 0.0) || !std::isfinite(rate))
-            throw std::invalid_argument("the frictions of an encounter must be positive and finite");
-    if (!(pair.step >= 0.0) || !std::isfinite(pair.step))
-        throw std::invalid_argument("the step of an encounter must be zero or positive and finite");
-    if (degree < 2 || degree % 2 != 0)
-        throw std::invalid_argument("the degree of an encounter must be even and at least 2");
-}
-
 Bounds bounds(double one, double other) { return {std::min(one, other), std::max(one, other)}; }
-
-constexpr VelocityFunction u_r{0, 1, 0};      ///< u_r
-constexpr VelocityFunction u_r_u_r{0, 2, 0};  ///< (u_r^2 - 1)/2^(1/2)
-constexpr VelocityFunction u_r_u_t{1, 1, 0};  ///< u_r u_t, normalized
 
 }  // namespace
 
@@ -375,9 +274,8 @@ constexpr VelocityFunction u_r_u_t{1, 1, 0};  ///< u_r u_t, normalized
 Bounds force_memory(Encounter const& pair, int degree) {
     check(pair, degree);
     EncounterSolver solver(pair, 1, degree);
-    auto const f = [&](double r) { return speed * solver.impulse(r); };
-    auto const [source, at_once] = solver.odd_source(u_r, f);
-    double const same_step = solver.at_same_step(u_r, f);
+    auto const [source, at_once] = solver.odd_source(force_source);
+    double const same_step = solver.at_same_step(force_source);
     double const kept = std::exp(-pair.medium * pair.step);  // half a step of the medium at either end
     std::array<double, 2> memory{};
     for (bool const with_highest : {false, true}) {
@@ -391,23 +289,17 @@ Bounds force_memory(Encounter const& pair, int degree) {
 // [stress memory]
 StressMemory stress_memory(Encounter const& pair, int degree) {
     check(pair, degree);
-    int const d = pair.d;
     EncounterSolver solver(pair, 2, degree);
-    double const size = std::sqrt((d - 1.0) / d);             // of the tensor r^ r^ less its trace
-    double const components = 1.0 / ((d - 1.0) * (d + 2.0));  // <T_xy U_xy> = <T:U> times this
-    auto const s_along = [&](double r) { return speed * size * solver.impulse(r) * r; };
-    auto const B_along = [&](double r) {
-        return -4.0 * std::numbers::sqrt2 * size * solver.impulse(r) * (1.0 - solver.collision(r));
-    };
-    auto const B_across = [&](double r) { return -2.0 * std::sqrt(2.0 * (d - 1.0)) * solver.impulse(r); };
-    auto const [s, at_once] = solver.odd_source(u_r, s_along);
+    auto const [s, at_once] = solver.odd_source(stress_source);
     Eigen::VectorXd B = Eigen::VectorXd::Zero(solver.unknowns());
-    solver.add_even_source(B, u_r_u_r, B_along);
-    solver.add_even_source(B, u_r_u_t, B_across);
-    double const s_same_step = solver.at_same_step(u_r, s_along);
-    double const B_same_step = solver.at_same_step(u_r_u_r, B_along) + solver.at_same_step(u_r_u_t, B_across);
+    solver.add_even_source(B, relaxation_along);
+    solver.add_even_source(B, relaxation_across);
+    double const s_same_step = solver.at_same_step(stress_source);
+    double const B_same_step = solver.at_same_step(relaxation_along) + solver.at_same_step(relaxation_across);
     // half a step of the medium at either end, of first degree in s and of second in B
-    auto const kept = [&](double ends) { return components * std::exp(-ends * pair.medium * pair.step); };
+    auto const kept = [&](double ends) {
+        return xy_share(pair.d) * std::exp(-ends * pair.medium * pair.step);
+    };
     std::array<double, 2> collision{}, relaxation{}, cross{};
     for (bool const with_highest : {false, true}) {
         solver.factorize(with_highest);

@@ -6,22 +6,34 @@
 /// distance of the two, g their relative velocity, r^ the unit vector between them, [f] a volume integral.
 #pragma once
 
-#include "scheme.hpp"
-#include "weight.hpp"
+#include <memory>
+#include <variant>
+
+#include "closed_forms.hpp"
 
 namespace dpd::theory {
 
-/// A pair with the friction w(r) = friction weight(r), in a medium that exerts the friction `medium` on
-/// either of the two. In continuous time (step = 0), or in steps: all collide once, A = A(w step) by the
-/// scheme and the medium keeps exp(-medium step) of a velocity, then all drift.
+/// What happens to a pair in range: friction w(r) and noise along r^, or a new relative velocity along r^
+/// drawn at a rate.
+using Thermostat = std::variant<Shardlow, Lowe>;
+
+/// A pair in a medium that exerts the friction `medium` on either of the two. In continuous time (step = 0),
+/// or in steps: all collide once (A = A(w step) by the scheme, or a new velocity with probability Gamma step)
+/// and the medium keeps exp(-medium step) of a velocity, then all drift.
 struct Encounter {
     int d = 3;
-    Weight weight = Weight::linear;
-    double friction = 0.0;
+    Thermostat thermostat;
     double medium = 0.0;  ///< rate at which the medium alone would relax a velocity
     double step = 0.0;
-    Scheme scheme = Scheme::shardlow;
 };
+
+/// Weight of the pair's friction; of Lowe's thermostat 1.
+Weight weight_of(Thermostat const& thermostat);
+
+/// Of the Hermite polynomial of order i in the relative velocity along r^, the share that a collision takes
+/// at the distance r, per unit time: 1 - (1 - 2A)^i over the step, 2 w i in continuous time; Gamma for Lowe's
+/// thermostat.
+double loss(Encounter const& pair, int i, double r);
 
 /// A number known from both sides. The mean of the bounds is much closer to it than either.
 struct Bounds {
@@ -33,9 +45,9 @@ struct Bounds {
 /// with \f$f=w\,\hat{\mathbf r}\cdot\mathbf g\f$: what the force of one partner remembers of itself. In steps
 /// \f$w\f$ is A/step, and the integral the sum over all later steps times the step.
 /// `degree` (even, >= 2) is the highest degree of the polynomials in the velocity. The drift of a step enters
-/// with its first two moments, which is exact for distances that change little in a step. Throws
-/// std::invalid_argument unless d is 2 or 3, the frictions are positive, the step is not negative and the
-/// degree is allowed.
+/// with its first two moments, which is exact for distances that change little in a step; StepEncounter has
+/// it exactly. Throws std::invalid_argument unless d is 2 or 3, the frictions are positive, the step is not
+/// negative and the degree is allowed.
 Bounds force_memory(Encounter const& pair, int degree);
 
 /// The same for stresses, with \f$s=w\,r\,\hat x\hat y\,(\hat{\mathbf r}\cdot\mathbf g)\f$, the stress that
@@ -49,5 +61,28 @@ struct StressMemory {
         cross;  ///< \f$\int\int\langle s(0)B(t)\rangle\f$; the two truncations, which need not be bounds here
 };
 StressMemory stress_memory(Encounter const& pair, int degree);
+
+/// The same sums over steps with the drift of a step exact: made once for a pair and a step, asked for any
+/// medium. Better the longer the step; at steps below 0.02 the elements in r are too wide for the flight.
+class StepEncounter {
+public:
+    /// `rank` is 1 for the force, 2 for the stresses. The pair's `medium` has no meaning here. Throws as
+    /// force_memory.
+    StepEncounter(Encounter const& pair, int rank, int degree);
+    ~StepEncounter();
+    StepEncounter(StepEncounter&&) noexcept;
+    StepEncounter& operator=(StepEncounter&&) noexcept;
+
+    double force_memory(double medium) const;
+    /// \f$\langle ss\rangle\f$, \f$\langle BB\rangle\f$, \f$\langle sB\rangle\f$ as in StressMemory.
+    struct Stress {
+        double collision, relaxation, cross;
+    };
+    Stress stress_memory(double medium) const;
+
+private:
+    class Steps;
+    std::unique_ptr<Steps> steps_;
+};
 
 }  // namespace dpd::theory

@@ -10,11 +10,16 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "encounter.hpp"
@@ -36,14 +41,16 @@ struct Parts {
     Number transverse, longitudinal;
 };
 
+/// Friction of a pair at the distance r, in any unit: w, or what a collision takes.
+using Profile = std::function<double(double)>;
+
 /// How a wave of number k feels the friction of a pair, over what a particle feels: s_k, of the tensor w r^
-/// r^, and of the friction stress w r r^ r^ r^.
+/// r^, and of the friction stress w r r^ r^ r^, t_k.
 struct Sharing {
-    Parts<double> current;
-    double stress;
+    Parts<double> current, stress;
 };
 // [sharing]
-Sharing sharing(int d, Weight weight, double k) {
+Sharing sharing(int d, Profile const& profile, double k) {
     // averages of exp(i k.r) over directions, x = kr: of all, of one squared component of r^ across k, and
     // minus the slope of that
     auto const all = [=](double x) {
@@ -57,14 +64,20 @@ Sharing sharing(int d, Weight weight, double k) {
         if (x < 1e-2) return x / (d * (d + 2.0)) * (1.0 - x * x / (2.0 * (d + 4.0)));
         return d == 2 ? boost::math::cyl_bessel_j(2, x) / x : boost::math::sph_bessel(2, x) / x;
     };
+    // the same of all
+    auto const slope_of_all = [=](double x) {
+        return d == 2 ? boost::math::cyl_bessel_j(1, x) : boost::math::sph_bessel(1, x);
+    };
     auto const weighted = [=](auto const& f) {
-        return volume_integral(d, 1.0, [&](double r) { return weight_at(weight, r) * f(r); });
+        return volume_integral(d, 1.0, [&](double r) { return profile(r) * f(r); });
     };
     double const at_zero = weighted([](double) { return 1.0; }) / d;
     double const transverse = weighted([&](double r) { return across(k * r); });
     double const both = weighted([&](double r) { return all(k * r); });
+    double const stress = weighted([&](double r) { return r * slope(k * r); });
+    double const stress_of_all = weighted([&](double r) { return r * slope_of_all(k * r); });
     return {{transverse / at_zero, (both - (d - 1) * transverse) / at_zero},
-            weighted([&](double r) { return r * slope(k * r); }) / at_zero};
+            {stress / at_zero, (stress_of_all - d * stress) / at_zero}};
 }
 // [sharing]
 
@@ -124,12 +137,53 @@ SingleParticle single_particle(Medium const& medium, double k, Complex z) {
 }
 // [single particle]
 
+/// The same sums with the flights of the steps exact, as far as E is not negligible.
+class SingleParticleInSteps {
+public:
+    SingleParticleInSteps(Medium const& medium, double k) : step_(medium.step) {
+        constexpr double negligible = 1e-7;
+        double const kept = std::exp(-medium.zeta * step_), k2 = square(k);
+        // of the displacement in j steps: its variance, its covariance with the next flight, and with the
+        // velocity at either end
+        double variance = 0.0, with_next = 0.0, with_end = 0.0, power = 1.0;
+        for (double density = 1.0; density > negligible;) {
+            variance += square(step_) + 2.0 * step_ * with_next;
+            with_next = kept * (with_next + step_);
+            with_end += step_ * power * std::sqrt(kept);
+            power *= kept;
+            density = std::exp(-0.5 * k2 * variance);
+            terms_.push_back({density, power * density, (power - k2 * square(with_end)) * density});
+        }
+    }
+    std::size_t length() const { return terms_.size(); }
+    /// At the angle omega step.
+    SingleParticle at(double angle) const {
+        SingleParticle sum{};
+        Complex const turn = std::polar(step_, -angle) / step_;
+        Complex phase = step_;
+        for (auto const& term : terms_) {
+            phase *= turn;
+            sum.density += term.density * phase;
+            sum.current.transverse += term.transverse * phase;
+            sum.current.longitudinal += term.longitudinal * phase;
+        }
+        return sum;
+    }
+
+private:
+    struct Term {
+        double density, transverse, longitudinal;
+    };
+    double step_;
+    std::vector<Term> terms_;
+};
+
 /// What one wave of the fluid does, as sums over steps (integrals over time) that Parseval's theorem takes to
 /// frequencies.
 class Wave {
 public:
-    Wave(int d, Weight weight, Medium const& medium, double k)
-        : d_(d), medium_(medium), k_(k), share_(sharing(d, weight, k)) {}
+    Wave(int d, Profile const& profile, Medium const& medium, double k)
+        : d_(d), medium_(medium), k_(k), share_(sharing(d, profile, k)) {}
 
     // [returned]
     /// Momentum that comes back to a particle, as a share of what it has lost.
@@ -152,7 +206,7 @@ public:
     }
     /// Memory of the friction stress of a pair that others take over.
     double collision_stress() const {
-        return square(medium_.zeta * share_.stress) * (2.0 / d_ - 4.0 / (d_ * (d_ + 2.0))) *
+        return square(medium_.zeta * share_.stress.transverse) * (2.0 / d_ - 4.0 / (d_ * (d_ + 2.0))) *
                over_time([&](SingleParticle const& single) {
                    return product(others(single).transverse, single.density);
                });
@@ -195,6 +249,13 @@ private:
 
     template <class Integrand>
     double over_time(Integrand const& integrand) const {
+        // beyond, the flight of a step is not short
+        constexpr double short_flight = 0.25;
+        return k_ * medium_.step < short_flight ? over_frequencies(integrand) : over_angles(integrand);
+    }
+
+    template <class Integrand>
+    double over_frequencies(Integrand const& integrand) const {
         thread_local boost::math::quadrature::exp_sinh<double> integrator(9);
         constexpr double tolerance = 1e-7;
         // the frequencies that count fall with k^2, as diffusion has it
@@ -205,6 +266,18 @@ private:
                    (1.0 + square(0.5 * medium_.step * frequency));
         };
         return scale / std::numbers::pi * integrator.integrate(at, tolerance);
+    }
+
+    /// Steps have a period of frequencies, over which equal distances are exact for sums that are shorter
+    /// than their number. Waves of the fluid live up to twice as long as a particle's density.
+    template <class Integrand>
+    double over_angles(Integrand const& integrand) const {
+        SingleParticleInSteps const single(medium_, k_);
+        auto const half = static_cast<int>(single.length()) + 8;
+        double sum = 0.0;
+        for (int m = 0; m <= half; ++m)
+            sum += (m == 0 || m == half ? 0.5 : 1.0) * integrand(single.at(std::numbers::pi * m / half));
+        return sum / (half * medium_.step);
     }
 
     int d_;
@@ -266,15 +339,58 @@ void check_step_and_box(int d, double dt, double box) {
             "box");
 }
 
-double returned_friction(int d, double n, Weight weight, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).friction(); }) / n;
+double returned_friction(int d, double n, Profile const& profile, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).friction(); }) / n;
 }
-double returned_own_stress(int d, double n, Weight weight, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).own_stress(); }) / n;
+double returned_own_stress(int d, double n, Profile const& profile, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).own_stress(); }) / n;
 }
-double returned_others_stress(int d, double n, Weight weight, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).others_stress(); }) / n;
+double returned_others_stress(int d, double n, Profile const& profile, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).others_stress(); }) / n;
 }
+
+/// What comes back within a sweep, while nobody moves: in it the wave s_k keeps exp(-decay (1 - s_k)), a
+/// particle by itself exp(-decay). Once there and back needs the same pair twice and does not happen.
+struct Sweep {
+    double velocity;   ///< relative change of what is kept of a velocity
+    double stress;     ///< of v_x v_y, what goes over to the others
+    double collision;  ///< what it takes from the collision viscosity, times the step
+};
+// [within a sweep]
+Sweep within_sweep(int d, double n, Profile const& profile, double decay, double box) {
+    auto const beyond_second = [](double x) {  // exp(x) - 1 - x - x^2/2
+        return std::abs(x) < 1e-2 ? x * x * x / 6.0 * (1.0 + 0.25 * x) : std::expm1(x) - x - 0.5 * x * x;
+    };
+    auto const velocity = [&](double k) {
+        auto const s = sharing(d, profile, k).current;
+        return ((d - 1) * beyond_second(decay * s.transverse) + beyond_second(decay * s.longitudinal)) / d;
+    };
+    auto const product = [&](double a, double b) {  // averaged over directions as in Wave
+        double const c = b - a;
+        return a * a + 2.0 / d * a * c + 2.0 / (d * (d + 2.0)) * c * c;
+    };
+    auto const stress = [&](double k) {
+        auto const s = sharing(d, profile, k).current;
+        double const a = decay * s.transverse, b = decay * s.longitudinal;
+        return std::exp(-2.0 * decay) * (product(std::expm1(a), std::expm1(b)) - product(a, b));
+    };
+    // int_0^1 (1 - t) exp(-decay t) (exp(decay s t) - 1) dt: two of the times in the sweep of three
+    // collisions
+    auto const passed_on = [&](double s) {
+        auto const twice = [](double x) {  // int_0^1 (1 - t) exp(-x t) dt
+            return std::abs(x) < 1e-3 ? 0.5 - x / 6.0 + x * x / 24.0 : (x + std::expm1(-x)) / (x * x);
+        };
+        return twice(decay * (1.0 - s)) - twice(decay);
+    };
+    auto const collision = [&](double k) {
+        auto const [s, t] = sharing(d, profile, k);
+        double const transverse = 2.0 / d - 4.0 / (d * (d + 2.0)), longitudinal = 1.0 / (d * (d + 2.0));
+        return square(decay) * (transverse * square(t.transverse) * passed_on(s.transverse) +
+                                longitudinal * square(t.longitudinal) * passed_on(s.longitudinal));
+    };
+    return {over_waves(d, box, velocity) / n, over_waves(d, box, stress) / n, over_waves(d, box, collision)};
+}
+// [within a sweep]
 
 // -----------------------------------------------------------------------------------------------------------
 // Closure; m = kT = rc = 1
@@ -284,12 +400,8 @@ class Sequence {
 public:
     void add(double value) { values_.push_back(value); }
     /// What the last three tend to, if they close in like a geometric series (Aitken); otherwise the last.
-    double limit() const { return limit(values_.size()); }
-    /// By how much the last one has changed it.
-    double change() const { return std::abs(limit() - limit(values_.size() - 1)); }
-
-private:
-    double limit(std::size_t count) const {
+    double limit() const {
+        std::size_t const count = values_.size();
         double const last = values_[count - 1];
         if (count < 3) return last;
         double const step = last - values_[count - 2], before = values_[count - 2] - values_[count - 3];
@@ -297,6 +409,13 @@ private:
         bool const closes_in = before != 0.0 && step / before > 0.0 && step / before < slowest;
         return closes_in ? last + step * step / (before - step) : last;
     }
+    /// How far the last one may be from it: its change, or what the geometric series still adds.
+    double change() const {
+        double const left = std::abs(limit() - values_.back());
+        return left > 0.0 ? left : std::abs(values_.back() - values_[values_.size() - 2]);
+    }
+
+private:
     std::vector<double> values_;
 };
 
@@ -307,60 +426,145 @@ struct Converged {
 constexpr int lowest_degree = 6, degree_step = 4, highest_degree = 18;
 constexpr double wanted = 3e-5;  ///< relative change at which a refinement is the last
 
-double returned_collision_stress(int d, Weight weight, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, weight, medium, k).collision_stress(); });
+double returned_collision_stress(int d, Profile const& profile, Medium const& medium, double box) {
+    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).collision_stress(); });
+}
+
+/// Friction that chaos gives a velocity in continuous time, and the collision viscosity.
+double friction_limit(Gas const& gas, auto const& thermostat) {
+    return gas.kT / (gas.m * diffusion_constant_limit(gas, thermostat));
+}
+double viscosity_at_once(Gas const& gas, Shardlow const& thermostat, double step) {
+    return step == 0.0 ? collision_viscosity_limit(gas, thermostat)
+                       : collision_viscosity(gas, thermostat, step);
+}
+double viscosity_at_once(Gas const& gas, Lowe const& thermostat, double) {
+    return collision_viscosity(gas, thermostat);
 }
 
 /// The gas and the step in units of the gas.
 struct Reduced {
     int d;
     double n;
-    Shardlow thermostat;
+    Thermostat thermostat;
     double step, box;
 
     Gas gas() const { return {.d = d, .n = n}; }
+    Profile profile() const {
+        return [pair = Encounter{d, thermostat, 1.0, step}](double r) { return loss(pair, 1, r); };
+    }
     /// Rates of chaos, of a velocity and of v_x v_y.
     double friction_at_once() const {
-        if (step == 0.0) return relaxation_rate(gas(), thermostat);
-        return -std::log(velocity_retention(gas(), thermostat, step)) / step;
+        return std::visit(
+            [&](auto const& t) {
+                return step == 0.0 ? friction_limit(gas(), t)
+                                   : -std::log(velocity_retention(gas(), t, step)) / step;
+            },
+            thermostat);
     }
     double stress_rate_at_once() const {
-        if (step == 0.0) return 2.0 * relaxation_rate(gas(), thermostat);
-        return -std::log(stress_retention(gas(), thermostat, step)) / step;
+        return std::visit(
+            [&](auto const& t) {
+                return step == 0.0 ? n / kinetic_viscosity_limit(gas(), t)
+                                   : -std::log(stress_retention(gas(), t, step)) / step;
+            },
+            thermostat);
     }
     double collision_viscosity_at_once() const {
-        return step == 0.0 ? collision_viscosity_limit(gas(), thermostat)
-                           : collision_viscosity(gas(), thermostat, step);
+        return std::visit([&](auto const& t) { return viscosity_at_once(gas(), t, step); }, thermostat);
+    }
+    Sweep within_sweep() const {
+        if (step == 0.0) return {};
+        return theory::within_sweep(d, n, profile(), friction_at_once() * step, box);
     }
     Medium medium(double zeta) const { return {zeta, step}; }
-    Encounter pair(double zeta) const {
-        return {d, thermostat.weight, thermostat.gamma, zeta, step, thermostat.scheme};
-    }
     double returned_friction(double zeta) const {
-        return theory::returned_friction(d, n, thermostat.weight, medium(zeta), box);
+        return theory::returned_friction(d, n, profile(), medium(zeta), box);
     }
+};
+
+/// The integrals of stress_memory.
+struct ConvergedStressMemory {
+    Converged collision, relaxation, cross;
+};
+
+/// What pairs remember in any medium: in short steps or continuous time by the equation of encounter.cpp, in
+/// longer ones step by step. Both get better with the degree of the polynomials.
+class Pairs {
+public:
+    explicit Pairs(Reduced const& gas) : gas_(gas) {}
+
+    /// Memory of the force, `refined` times better than at first.
+    double force(double zeta, int refined) {
+        if (!in_steps()) return force_memory(pair(zeta), lowest_degree + refined * degree_step).mean();
+        auto const made = static_cast<int>(force_.size());
+        for (int next = made; next <= refined; ++next)
+            force_.emplace_back(pair(1.0), 1, degree_in_steps(next));
+        return force_[refined].force_memory(zeta);
+    }
+    int refinements() const {
+        return in_steps() ? refinements_in_steps : (highest_degree - lowest_degree) / degree_step;
+    }
+
+    ConvergedStressMemory stress(double zeta) const {
+        Sequence collision, relaxation, cross;
+        for (int refined = 0; refined <= refinements(); ++refined) {
+            auto const memory = stress(zeta, refined);
+            collision.add(memory.collision);
+            relaxation.add(memory.relaxation);
+            cross.add(memory.cross);
+            if (refined > 0 && 0.5 * gas_.n * relaxation.change() < wanted * gas_.stress_rate_at_once() &&
+                0.5 * square(gas_.n) * collision.change() < wanted * gas_.collision_viscosity_at_once())
+                break;
+        }
+        auto const converged = [](Sequence const& s) { return Converged{s.limit(), s.change()}; };
+        return {converged(collision), converged(relaxation), converged(cross)};
+    }
+
+private:
+    // Step by step from this flight on. Below it the first two moments of the drift cost at most 2 % of the
+    // memory, 0.5 % of a coefficient.
+    static constexpr double long_step = 0.06;
+    static constexpr int refinements_in_steps = 2;
+    static int degree_in_steps(int refined) { return 4 + 2 * refined; }
+
+    bool in_steps() const { return gas_.step >= long_step; }
+    Encounter pair(double zeta) const { return {gas_.d, gas_.thermostat, zeta, gas_.step}; }
+    StepEncounter::Stress stress(double zeta, int refined) const {
+        if (in_steps()) return StepEncounter(pair(zeta), 2, degree_in_steps(refined)).stress_memory(zeta);
+        auto const memory = stress_memory(pair(zeta), lowest_degree + refined * degree_step);
+        return {memory.collision.mean(), memory.relaxation.mean(), memory.cross.mean()};
+    }
+
+    Reduced gas_;
+    std::vector<StepEncounter> force_;  ///< made when asked for
 };
 
 /// Friction that a particle feels from partners, each of whom it meets as in an encounter. @eq{NG2007,17}
 /// less what one partner hands back.
 // [pair friction]
-double pair_friction(Reduced const& gas, double zeta, int degree) {
-    return gas.friction_at_once() - gas.n / gas.d * force_memory(gas.pair(zeta), degree).mean();
+double pair_friction(Reduced const& gas, Pairs& pairs, double zeta, int refined) {
+    return gas.friction_at_once() - gas.n / gas.d * pairs.force(zeta, refined);
+}
+/// Friction that comes back within a sweep.
+double sweep_friction(Reduced const& gas, Sweep const& sweep) {
+    return gas.step == 0.0 ? 0.0 : std::log1p(sweep.velocity) / gas.step;
 }
 // [pair friction]
 
 /// The friction zeta that a particle feels, in a medium of particles that feel the same.
 // [self-consistency]
-Converged self_consistent_friction(Reduced const& gas) {
-    double const at_once = gas.friction_at_once();
-    auto const excess = [&](double zeta, int degree) {
-        return pair_friction(gas, zeta, degree) - zeta * (1.0 + gas.returned_friction(zeta));
+Converged self_consistent_friction(Reduced const& gas, Pairs& pairs, Sweep const& sweep) {
+    double const at_once = gas.friction_at_once(), in_sweep = sweep_friction(gas, sweep);
+    auto const excess = [&](double zeta, int refined) {
+        return pair_friction(gas, pairs, zeta, refined) - in_sweep -
+               zeta * (1.0 + gas.returned_friction(zeta));
     };
     // with few polynomials between bounds ...
     constexpr double smallest = 0.02;
     constexpr int bits = 14;
     std::uintmax_t evaluations = 50;
-    auto const coarse = [&](double zeta) { return excess(zeta, lowest_degree); };
+    auto const coarse = [&](double zeta) { return excess(zeta, 0); };
     auto const [low, high] = boost::math::tools::toms748_solve(
         coarse, smallest * at_once, at_once, boost::math::tools::eps_tolerance<double>(bits), evaluations);
     double zeta = 0.5 * (low + high);
@@ -370,8 +574,8 @@ Converged self_consistent_friction(Reduced const& gas) {
         (coarse(zeta * (1.0 + interval)) - coarse(zeta * (1.0 - interval))) / (2.0 * interval * zeta);
     Sequence sequence;
     sequence.add(zeta);
-    for (int degree = lowest_degree + degree_step; degree <= highest_degree; degree += degree_step) {
-        zeta -= excess(zeta, degree) / slope;
+    for (int refined = 1; refined <= pairs.refinements(); ++refined) {
+        zeta -= excess(zeta, refined) / slope;
         sequence.add(zeta);
         if (sequence.change() < wanted * zeta) break;
     }
@@ -379,26 +583,14 @@ Converged self_consistent_friction(Reduced const& gas) {
 }
 // [self-consistency]
 
-/// The integrals of stress_memory at the friction zeta.
-struct ConvergedStressMemory {
-    Converged collision, relaxation, cross;
-};
-ConvergedStressMemory converged_stress_memory(Reduced const& gas, double zeta) {
-    Sequence collision, relaxation, cross;
-    for (int degree = lowest_degree; degree <= highest_degree; degree += degree_step) {
-        auto const memory = stress_memory(gas.pair(zeta), degree);
-        collision.add(memory.collision.mean());
-        relaxation.add(memory.relaxation.mean());
-        cross.add(memory.cross.mean());
-        if (degree > lowest_degree &&
-            0.5 * gas.n * relaxation.change() < wanted * gas.stress_rate_at_once() &&
-            0.5 * square(gas.n) * collision.change() < wanted * gas.collision_viscosity_at_once())
-            break;
-    }
-    return {{collision.limit(), collision.change()},
-            {relaxation.limit(), relaxation.change()},
-            {cross.limit(), cross.change()}};
+/// Rate of the kinetic stress with what comes back to it, and goes over to others, within a sweep.
+// [stress in a sweep]
+double stress_rate_in_sweep(Reduced const& gas, Sweep const& sweep, double pair_rate) {
+    if (gas.step == 0.0) return pair_rate;
+    double const kept = std::exp(-pair_rate * gas.step);
+    return -std::log(kept * square(1.0 + sweep.velocity) + sweep.stress) / gas.step;
 }
+// [stress in a sweep]
 
 CoefficientWithMemory in_units(CoefficientWithMemory const& c, double unit) {
     return {unit * c.at_once, unit * c.pair, unit * c.collective, unit * c.cross, unit * c.error};
@@ -418,38 +610,29 @@ CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, d
     check_step_and_box(gas.d, dt, box);
     double const n = gas.n * std::pow(gas.rc, gas.d), time = gas.rc * std::sqrt(gas.m / gas.kT);
     Medium const medium{zeta * time, dt / time};
-    return {returned_friction(gas.d, n, weight, medium, box / gas.rc),
-            returned_own_stress(gas.d, n, weight, medium, box / gas.rc),
-            returned_others_stress(gas.d, n, weight, medium, box / gas.rc),
-            returned_collision_stress(gas.d, weight, medium, box / gas.rc) * std::sqrt(gas.m * gas.kT) *
+    Profile const profile = [weight](double r) { return weight_at(weight, r); };
+    return {returned_friction(gas.d, n, profile, medium, box / gas.rc),
+            returned_own_stress(gas.d, n, profile, medium, box / gas.rc),
+            returned_others_stress(gas.d, n, profile, medium, box / gas.rc),
+            returned_collision_stress(gas.d, profile, medium, box / gas.rc) * std::sqrt(gas.m * gas.kT) *
                 std::pow(gas.rc, 1 - gas.d)};
 }
 
-TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt, double box) {
+namespace {
+
+TransportWithMemory transport(Gas const& gas, Thermostat const& reduced_thermostat, double dt, double box) {
     int const d = gas.d;
-    unit_sphere_surface(d);  // checks d
-    require_positive({{"n", gas.n},
-                      {"m", gas.m},
-                      {"kT", gas.kT},
-                      {"rc", gas.rc},
-                      {"gamma", thermostat.gamma},
-                      {"box", box}});
-    check_step_and_box(d, dt, box);
     double const speed = std::sqrt(gas.kT / gas.m), n = gas.n * std::pow(gas.rc, d);
-    // the drift enters with two moments only: the pair's memory is then right within 2 % of a coefficient
-    // (theory/memory.md)
-    constexpr double longest_drift = 0.2;
-    if (dt * speed > longest_drift * gas.rc)
-        throw std::domain_error("transport with memory needs dt (kT/m)^(1/2) <= 0.2 rc");
-    Shardlow reduced_thermostat = thermostat;
-    reduced_thermostat.gamma *= gas.rc / (gas.m * speed);
     Reduced const reduced{d, n, reduced_thermostat, dt * speed / gas.rc, box / gas.rc};
+    Pairs pairs(reduced);
 
     // [diffusion with memory]
-    auto const zeta = self_consistent_friction(reduced);
+    Sweep const sweep = reduced.within_sweep();
+    auto const zeta = self_consistent_friction(reduced, pairs, sweep);
     auto const medium = reduced.medium(zeta.value);
     auto const diffusion_at = [&](double rate) { return 1.0 / medium.step_rate(rate); };
-    double const of_pairs = zeta.value * (1.0 + reduced.returned_friction(zeta.value));
+    double const of_pairs =
+        zeta.value * (1.0 + reduced.returned_friction(zeta.value)) + sweep_friction(reduced, sweep);
     CoefficientWithMemory diffusion{.at_once = diffusion_at(reduced.friction_at_once()),
                                     .error = zeta.error / zeta.value * diffusion_at(zeta.value)};
     diffusion.pair = diffusion_at(of_pairs) - diffusion.at_once;
@@ -457,28 +640,30 @@ TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermo
     // [diffusion with memory]
 
     // [viscosities]
-    auto const memory = converged_stress_memory(reduced, zeta.value);
-    double const rate = reduced.stress_rate_at_once() - 0.5 * n * memory.relaxation.value;
-    Weight const weight = thermostat.weight;
+    auto const memory = pairs.stress(zeta.value);
+    double const pair_rate = reduced.stress_rate_at_once() - 0.5 * n * memory.relaxation.value;
+    double const rate = stress_rate_in_sweep(reduced, sweep, pair_rate);
+    Profile const profile = reduced.profile();
     // of the chaotic gas, by what its stress loses; step/(1 - s) - step/2
-    double const of_pairs_life = 1.0 / medium.step_rate(rate);
+    double const of_pairs_life = 1.0 / medium.step_rate(pair_rate);
     // of the waves, by what they lose, 2 zeta
     double const decay = 2.0 * zeta.value * medium.step;
     double const of_rate = decay == 0.0 ? 1.0 : decay / std::sinh(decay);  // d ln(life)/d ln(1/rate)
-    double const of_waves_life = (of_rate * returned_own_stress(d, n, weight, medium, reduced.box) +
-                                  returned_others_stress(d, n, weight, medium, reduced.box)) /
+    double const of_waves_life = (of_rate * returned_own_stress(d, n, profile, medium, reduced.box) +
+                                  returned_others_stress(d, n, profile, medium, reduced.box)) /
                                  medium.step_rate(2.0 * zeta.value);
-    double const life = of_pairs_life + of_waves_life;
+    double const life = 1.0 / medium.step_rate(rate) + of_waves_life;
     // kinetic stress that the collision stress becomes, over n kT
     double const cross = 0.5 * n * memory.cross.value / std::cosh(0.5 * rate * medium.step);
     CoefficientWithMemory kinetic{.at_once = n / medium.step_rate(reduced.stress_rate_at_once())};
     kinetic.pair = n * of_pairs_life - kinetic.at_once;
-    kinetic.collective = n * of_waves_life;
+    kinetic.collective = n * (life - of_pairs_life);
     kinetic.cross = n * life * cross;
     CoefficientWithMemory collision{.at_once = reduced.collision_viscosity_at_once(),
                                     .pair = -0.5 * square(n) * memory.collision.value,
-                                    .collective = -returned_collision_stress(d, weight, medium, reduced.box),
                                     .cross = n * life * cross * (1.0 + cross)};
+    collision.collective = -returned_collision_stress(d, profile, medium, reduced.box) -
+                           (medium.step == 0.0 ? 0.0 : sweep.collision / medium.step);
     // [viscosities]
     double const of_cross = 0.5 * square(n) * life * memory.cross.error;
     kinetic.error =
@@ -490,45 +675,95 @@ TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermo
             in_units(collision, viscosity_unit)};
 }
 
+void check_gas(Gas const& gas, char const* strength, double value, double dt, double box) {
+    unit_sphere_surface(gas.d);  // checks d
+    require_positive(
+        {{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}, {"rc", gas.rc}, {strength, value}, {"box", box}});
+    check_step_and_box(gas.d, dt, box);
+}
+
+}  // namespace
+
+TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt, double box) {
+    check_gas(gas, "gamma", thermostat.gamma, dt, box);
+    Shardlow reduced = thermostat;
+    reduced.gamma *= gas.rc / std::sqrt(gas.m * gas.kT);
+    return transport(gas, reduced, dt, box);
+}
+
+TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat, double dt, double box) {
+    check_gas(gas, "Gamma", thermostat.Gamma, dt, box);
+    return transport(gas, Lowe{thermostat.Gamma * gas.rc * std::sqrt(gas.m / gas.kT)}, dt, box);
+}
+
 // --- the rows of the registry ------------------------------------------------------------------------------
 
 namespace {
 
-TransportWithMemory transport_of(Arguments const& a) {
+template <class Kind>
+TransportWithMemory transport_for(Gas const& fluid, Arguments const& a) {
     double const box = a["box"] > 0.0 ? a["box"] : std::numeric_limits<double>::infinity();
-    return transport_with_memory(gas(a, a["n"], a["m"], a["kT"]),
-                                 {.gamma = a["gamma"], .weight = a.weight(), .scheme = a.scheme()}, a["dt"],
-                                 box);
+    if constexpr (std::is_same_v<Kind, Lowe>)
+        return transport_with_memory(fluid, Lowe{a["Gamma"]}, a["dt"], box);
+    else
+        return transport_with_memory(
+            fluid, Shardlow{.gamma = a["gamma"], .weight = a.weight(), .scheme = a.scheme()}, a["dt"], box);
 }
 
-template <CoefficientWithMemory TransportWithMemory::*coefficient>
+/// One state gives three coefficients, of which a caller asks one after the other: states are remembered.
+template <class Kind>
+TransportWithMemory transport_of(Arguments const& a) {
+    constexpr bool lowe = std::is_same_v<Kind, Lowe>;
+    using State = std::tuple<int, double, double, double, double, double, double, double, Weight, Scheme>;
+    thread_local std::map<State, TransportWithMemory> known;
+    Gas const fluid = gas(a, a["n"], a["m"], a["kT"]);
+    State const state{fluid.d, fluid.n,  fluid.m,    fluid.kT,  fluid.rc, a[lowe ? "Gamma" : "gamma"],
+                      a["dt"], a["box"], a.weight(), a.scheme()};
+    auto found = known.find(state);
+    if (found == known.end()) found = known.emplace(state, transport_for<Kind>(fluid, a)).first;
+    return found->second;
+}
+
+template <class Kind, CoefficientWithMemory TransportWithMemory::*coefficient>
 ClosedForm row(std::string_view id, std::string_view quantity, std::string_view formula) {
+    std::vector<std::string_view> parameters{"d", "n", "m", "kT", "rc", "dt", "box"};
+    if constexpr (std::is_same_v<Kind, Lowe>)
+        parameters.push_back("Gamma");
+    else
+        parameters.insert(parameters.end(), {"gamma", "weight", "scheme"});
     return {.id = id,
             .paper = "ours",
             .equation = "theory/memory.md",
             .quantity = quantity,
             .formula = formula,
-            .parameters = {"d", "n", "m", "kT", "gamma", "rc", "dt", "box", "weight", "scheme"},
+            .parameters = parameters,
             .without_effect = {},
-            .value = [](Arguments const& a) { return (transport_of(a).*coefficient).value(); },
+            .value = [](Arguments const& a) { return (transport_of<Kind>(a).*coefficient).value(); },
             .defaults = {{"dt", "0"}},
             .parts = [](Arguments const& a) -> std::vector<std::pair<std::string_view, double>> {
-                auto const c = transport_of(a).*coefficient;
+                auto const c = transport_of<Kind>(a).*coefficient;
                 return {{"value", c.value()},         {"at_once", c.at_once}, {"pair", c.pair},
                         {"collective", c.collective}, {"cross", c.cross},     {"numerical_error", c.error}};
-            }};
+            },
+            .costly = true};
+}
+
+template <class Kind>
+std::vector<ClosedForm> rows_of(std::array<std::string_view, 3> const& ids) {
+    using With = TransportWithMemory;
+    return {row<Kind, &With::diffusion_constant>(ids[0], "self-diffusion constant with memory",
+                                                 "eq. 17 + pair + waves of the fluid"),
+            row<Kind, &With::kinetic_viscosity>(ids[1], "kinetic viscosity with memory",
+                                                "eq. 8 + pair + waves of the fluid + cross term"),
+            row<Kind, &With::collision_viscosity>(ids[2], "collision viscosity with memory",
+                                                  "eq. 12 + pair + waves of the fluid + cross term")};
 }
 
 }  // namespace
 
 std::vector<ClosedForm> memory_rows() {
-    return {
-        row<&TransportWithMemory::diffusion_constant>("memory-D", "self-diffusion constant with memory",
-                                                      "eq. 17 + pair + waves of the fluid"),
-        row<&TransportWithMemory::kinetic_viscosity>("memory-kinetic", "kinetic viscosity with memory",
-                                                     "eq. 8 + pair + waves of the fluid + cross term"),
-        row<&TransportWithMemory::collision_viscosity>("memory-collision", "collision viscosity with memory",
-                                                       "eq. 12 + pair + waves of the fluid + cross term")};
+    return joined({rows_of<Shardlow>({"memory-D", "memory-kinetic", "memory-collision"}),
+                   rows_of<Lowe>({"memory-D-lowe", "memory-kinetic-lowe", "memory-collision-lowe"})});
 }
 
 }  // namespace dpd::theory

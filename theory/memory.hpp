@@ -44,5 +44,9 @@ struct TransportWithMemory {
 /// std::domain_error for gamma dt/m > 1.
 TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt = 0.0,
                                           double box = std::numeric_limits<double>::infinity());
+/// The same for Lowe-Andersen, up to one update of a pair per step: throws std::domain_error for Gamma dt
+/// > 1.
+TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat, double dt = 0.0,
+                                          double box = std::numeric_limits<double>::infinity());
 
 }  // namespace dpd::theory

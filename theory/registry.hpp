@@ -43,6 +43,7 @@ struct ClosedForm {
     /// For a form that is a sum: the value, the summands and what else belongs to it, by name; the value
     /// first.
     std::vector<std::pair<std::string_view, double>> (*parts)(Arguments const&) = nullptr;
+    bool costly = false;  ///< seconds per value
 
     /// What `parameter` is when it is not given; nothing: it must be given.
     std::optional<std::string_view> default_text(Parameter const& parameter) const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "theory/closed_forms.hpp"
 #include "theory/registry.hpp"
@@ -15,6 +16,8 @@ TheoryArguments theory_arguments(Scene const& scene) {
                               {"m", argument(scene.mass)},
                               {"dt", argument(scene.time_step)},
                               {"kT", argument(scene.kT)}};
+    // of a box that is no cube, the cube of the same volume
+    arguments["box"] = argument(std::pow(scene.volume(), 1.0 / scene.dimension));
     StageSetting const setting = scene.stage_setting();
     for (AnyStage const& stage : scene.stages)
         std::visit([&](auto const& s) { s.set_arguments(arguments, setting); }, stage);

@@ -31,22 +31,28 @@ std::string theory_lines(Figure const& figure) {
     for (std::size_t c = 0; c < figure.curves.size(); ++c) {
         auto const& curve = figure.curves[c];
         Scene const* base = nullptr;
+        std::vector<double> measured;
         double low = INFINITY, high = -INFINITY;
         for (auto const& point : figure.points) {
             if (point.curve != c) continue;
             base = &point.runs.front();
+            measured.push_back(point.x);
             low = std::min(low, point.x);
             high = std::max(high, point.x);
         }
         if (!curve.line.empty()) low = curve.line[0], high = curve.line[1];
         if (!base || !(low < high)) continue;
         bool const logarithmic = low > 0.0 && high / low > logarithmic_from;
+        std::vector<double> sampled;
+        for (int s = 0; s <= samples; ++s) {
+            double const t = double(s) / samples;
+            sampled.push_back(logarithmic ? low * std::pow(high / low, t) : low + (high - low) * t);
+        }
         for (auto const& criterion : curve.criteria) {
             if (theory::find(criterion.theory) == nullptr || !curve.record.empty()) continue;
             text += fmt::format("# {}\n", part_name(curve.name, criterion));
-            for (int s = 0; s <= samples; ++s) {
-                double const t = double(s) / samples;
-                double const x = logarithmic ? low * std::pow(high / low, t) : low + (high - low) * t;
+            // what is costly has been evaluated for the points, and is not elsewhere
+            for (double const x : theory::find(criterion.theory)->costly ? measured : sampled) {
                 Scene const scene =
                     parse_scene(base->text, "theory line", {fmt::format("{}={}", curve.parameter, x)});
                 text += fmt::format("{:.10g} {:.10g}\n", x, theory_for(scene, criterion.theory));

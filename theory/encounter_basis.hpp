@@ -1,0 +1,85 @@
+/// @file
+/// What both solvers of the encounter share (encounter.cpp, encounter_steps.cpp): polynomials of the
+/// velocity, finite elements in the distance, and what a collision takes. Not installed.
+#pragma once
+
+#include <Eigen/Dense>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "encounter.hpp"
+
+namespace dpd::theory::encounter {
+
+inline double square(double x) { return x * x; }
+
+/// Thermal speed of one component of g, whose variance is 2.
+constexpr double speed = std::numbers::sqrt2;
+
+/// A polynomial in the velocity u = g/speed: Hermite of order i along r^, and across it the m-th power of
+/// u_t times Laguerre of order p in u_t^2/2, all orthonormal under the Maxwell distribution.
+struct VelocityFunction {
+    int m, i, p;
+    int tangential_degree() const { return 2 * p + m; }
+    int degree() const { return i + tangential_degree(); }
+};
+
+constexpr VelocityFunction u_r{0, 1, 0};      ///< u_r
+constexpr VelocityFunction u_r_u_r{0, 2, 0};  ///< (u_r^2 - 1)/2^(1/2)
+constexpr VelocityFunction u_r_u_t{1, 1, 0};  ///< u_r u_t, normalized
+
+/// Index of the Laguerre polynomials.
+inline double laguerre_index(int d, int m) { return 0.5 * (d - 1) + m - 1; }
+/// Highest power of u_t in a tensor of that rank.
+inline int highest_m(int d, int rank) { return d == 2 ? std::min(rank, 1) : rank; }
+
+/// Throws std::invalid_argument for what has no meaning.
+void check(Encounter const& pair, int degree);
+
+/// A source of a correlation: a function of the velocity times an amplitude that depends on r.
+struct Source {
+    VelocityFunction function;
+    double (*amplitude)(Encounter const& pair, double r);
+};
+/// w r^.g, and its tensor's norm is 1.
+extern Source const force_source;
+/// s, and B in its two parts; both in units of their tensors, of which <T_xy U_xy> = <T:U> xy_share(d).
+extern Source const stress_source, relaxation_along, relaxation_across;
+double xy_share(int d);
+
+constexpr int order = 4;  ///< of the polynomials in r on an element
+using ElementVector = Eigen::Matrix<double, order + 1, 1>;
+using ElementMatrix = Eigen::Matrix<double, order + 1, order + 1>;
+
+/// A quadrature point of an element: r, its share of the volume, and the shape functions and their slopes.
+struct Point {
+    double r, volume;
+    ElementVector shape, slope;
+};
+
+/// Value and slope of the Lagrange polynomials through Chebyshev's points of [0, 1].
+std::pair<ElementVector, ElementVector> shape_functions(double x);
+
+/// Elements from r = 0 to far outside the range, where the functions are zero.
+class RadialMesh {
+public:
+    /// `inside` elements in the range; outside each is wider than the one before.
+    RadialMesh(int d, int inside, double outermost);
+
+    int elements() const { return static_cast<int>(ends_.size()) - 1; }
+    int nodes() const { return elements() * order; }  ///< without the outermost, which is held at zero
+    double start(int element) const { return ends_[element]; }
+    double end(int element) const { return ends_[element + 1]; }
+    std::vector<Point> points(int element) const;
+    /// Points of the Gauss rule on the part [from, to] of an element.
+    std::vector<Point> points(int element, double from, double to) const;
+
+private:
+    int d_;
+    std::vector<double> ends_;
+};
+
+}  // namespace dpd::theory::encounter
