@@ -25,7 +25,7 @@ from equations import ROOT, read
 
 # Pages whose sentences hold measured numbers, or exercises. The others describe keys, conventions and derivations; their numbers are
 # defaults, exact coefficients and what papers print, and tests hold them.
-PAGES = ("findings", "errata", "introduction", "one_pair", "step",
+PAGES = ("findings", "errata", "openmm", "trust", "work_precision", "stability", "performance", "introduction", "one_pair", "step",
          "viscosity", "coarse_graining", "walls", "measuring")
 
 NUMBER = r"[-+]?\d+(?:[ ,]\d{3})*(?:\.\d+)?"
@@ -34,11 +34,12 @@ NAMES = (r"n\*?|a|c|d|m|g|A|D|L|N|T|r|q|u|x|kT|dt|Gamma\*?'?|gamma\*?|sigma|lamb
          r"\\gamma(?:\^\*)?|\\Delta t(?:\^\*)?|\\lambda|\\sigma(?:_R)?|n\^\*|N_m|k_BT|a/k_BT|\\Gamma'?|w|q")
 WORDS = (r"steps?|substeps?|frictions?|densit(?:y|ies)|rates?|shear rates?|lags?|box(?:es)?|cutoffs?|sides?|range|weight|durations?|repulsions?|strengths?|"
          r"noise|temperatures?|forces?|accelerations?|amplitude|windows?|thickness|seeds?|runs?|blocks?|times?|factors?|units?|inner step|outer step|"
-         r"length|width|volume|distance|size|skin|coefficient|multipl\w+|index|level|version|density of|friction x step")
+         r"length|width|volume|distance|size|skin|coefficient|multipl\w+|index|level|version|GW|density of|friction x step")
 EXEMPT = (  # (pattern, why)
     (r"```.*?```|^    .*?$|`[^`]*`", "code"),
     (r"\\(?:skip|until|dontinclude|snippet|include\S*|image)\b.*?$", "code that a page shows"),
     (r"\\ref\s+\S+(?:\s+\"[^\"]*\")?|@eq\{[^}]*\}|@figure\{[^}]*\}|\]\([^)]*\)|\{#[^}]*\}", "links"),
+    (r"^#.*?$", "headings"),
     (r"<!--.*?-->", "comments"),
     (r"^\|(?:[^|@\n]*\|)+(?=[^|\n]*@(?:measured|ratio|data|report|recorded)\{)", "cells left of the first number that is drawn: where it was measured"),
     (r"\b(?:eqs?|Eqs?|Figs?|fig|sects?|Sects?|Table|Phys|Lett|Chem|Comput|ref|refs|issue|request|point|points|exercise|Version|version|g\+\+|Highway|LAMMPS)\.?\s+"
