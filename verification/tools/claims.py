@@ -5,7 +5,7 @@ docs/claims.toml holds the claims; its head explains the keys. A verdict is not 
 figures/report.json or a closed form decide: it is derived from them here.
 
 usage: claims.py --check                 every claim has its evidence: rows of the report, tests, figures, sections
-       claims.py --out FILE              the same, then writes the page 'Ledger of claims'
+       claims.py --out FILE              the same, then writes the pages of the ledger: FILE and, beside it, one per paper
        claims.py ... --dpdref PROGRAM    also evaluates the closed forms that claims name
 
 Exit code 1 with one line per mistake. Python's standard library only.
@@ -15,6 +15,7 @@ import argparse
 import collections
 import json
 import math
+import pathlib
 import re
 import subprocess
 import sys
@@ -392,13 +393,41 @@ def commands(claim):
     return list(dict.fromkeys(found))
 
 
-def details(claim, rows, tests, known_sections):
+def clause(text, longest):
+    """The first clause of a text, or as many of its words as fit"""
+    for ends in (";.", ":;."):
+        first = re.split(rf"(?<!\b[Ee]q)(?<!\b[Ee]qs)(?<!\bFig)(?<!\bFigs)(?<!\bsect)[{ends}](?:\s|$)", text.strip())[0]
+        if len(first) <= longest:
+            return first
+    return first[:first.rindex(" ", 0, longest)] + " ..."
+
+
+def headings(claims):
+    """id -> the claim as a heading. What begins with 'The same' needs what it is the same as"""
+    found, before = {}, ""
+    for claim in claims:
+        text = claim["claim"].strip()
+        if match := re.match(r"The same,? ?", text):
+            found[claim["id"]] = plain(f"{clause(before, 80)}: the same {clause(text[match.end():], 80)}")
+        else:
+            found[claim["id"]], before = plain(clause(text, 130)), text
+    # a \\ref takes its text as it stands
+    for sign, entity in (("\\|", "&#124;"), ("\\*", "&#42;"), ("\\<", "&lt;"), ("\\>", "&gt;")):
+        found = {name: title.replace(sign, entity) for name, title in found.items()}
+    return found
+
+
+def details(claim, title, rows, tests, known_sections):
     now = verdict(claim, rows)
-    yield f"### {claim['id']} {{#claim-{claim['id']}}}"
+    yield f"### {title} {{#claim-{claim['id']}}}"
+    yield ""
+    yield f"**{now[0].upper()}{now[1:]}**" + (f". {plain(claim['note'])}" if "note" in claim else ".")
+    yield ""
+    yield "\\htmlonly <details class=\"solution\" open><summary>Evidence</summary> \\endhtmlonly"
     yield ""
     yield plain(claim["claim"])
     yield ""
-    yield f"- Place: {plain(claim['place'])}"
+    yield f"- In the paper: {plain(claim['place'])}; id `{claim['id']}`"
     for form in claim.get("theory", []):
         printed = ""
         if decides(form):
@@ -420,50 +449,59 @@ def details(claim, rows, tests, known_sections):
         yield f"- Derivation: \\ref {known_sections[claim['derivation']]} \"{paper}, {title.split(' (eq')[0]}\""
     if "figure" in claim:
         yield f"- Waits for figure `{claim['figure']}`"
-    yield f"- Verdict: **{now}**" + (f". {plain(claim['note'])}" if "note" in claim else "")
     again = ", ".join(f"`{command}`" for command in commands(claim))
     if again:
         yield f"- Again: {again}" + (f" ({duration(run_time(claim, rows))})" if "comparison" in claim else "")
     yield ""
+    yield "\\htmlonly </details> \\endhtmlonly"
+    yield ""
 
 
-def page(claims, rows, tests, known_sections):
+def page(claims, rows):
+    """The overview"""
+    titles = headings(claims)
     lines = [
         "# Ledger of claims {#claims}",
         "",
-        "What the three papers print about results, and what becomes of it: reproduced, not reproduced, cannot tell. "
-        "The page is generated. Where numbers decide, the verdict is derived from the comparisons of the committed "
-        "figures (figures/report.json) or from a closed form; no measured number is written by hand. Claims are in "
-        "our words. What does not follow from the papers' own equations, and what they leave open: \\ref errata.",
-        "",
-        "- *reproduced*: all comparisons behind the claim agree, and its criterion, if it has one, is met by "
-        f"{SIGMAS} standard errors. *Not reproduced*: it is missed by as much. *Cannot tell*: neither, or the paper "
-        "does not say enough.",
-        "- A word without a number (well, good, small) is read as 10 %. The measured deviation stands beside it, for a "
-        "reader with another measure.",
-        "- A value is followed by what the figure compares it with, and by its deviation from that. A bound (at most, "
-        "at least) agrees if the value is on the right side of it, however far.",
-        "- A run time is that of one core, for all runs behind the claim at the budget of the committed figures. "
-        "`ctest` is to be run in the build folder.",
+        "*What do the three papers say about results, and what becomes of it?* Most is reproduced; what is not stands first below. Each paper has a page of its own, with the evidence for every "
+        "claim. The pages are generated: where numbers decide, the verdict is derived from the comparisons of the committed figures or from a closed form. Claims are in our words. What does "
+        "not follow from the papers' own equations, and what they leave open: \\ref errata.",
         "",
         "| paper | " + " | ".join(VERDICTS) + " | all |",
         "|---|" + "---|" * (len(VERDICTS) + 1),
     ]
     for paper in PAPERS:
         counts = collections.Counter(verdict(claim, rows) for claim in claims if claim["paper"] == paper)
-        lines.append(f"| \\ref claims-{paper.lower()} \"{paper}\" | "
+        lines.append(f"| \\subpage claims-{paper.lower()} \"Claims of {paper}\" | "
                      + " | ".join(str(counts[word]) for word in VERDICTS) + f" | {counts.total()} |")
     used = {id(row) for claim in claims for selector in selectors(claim) for row in select(rows, selector)}
-    lines += ["", f"{len(used)} of the {len(rows)} comparisons of the report stand behind a claim. The others check "
-              "the simulations: temperature, flow profile, another shear rate or order of the pairs."]
-    for paper in PAPERS:
-        own = [claim for claim in claims if claim["paper"] == paper]
-        lines += ["", f"## {paper} {{#claims-{paper.lower()}}}", "", "| id | claim | verdict |", "|---|---|---|"]
-        lines += [f"| \\ref claim-{claim['id']} \"{claim['id']}\" | {plain(claim['claim'])} | {verdict(claim, rows)} |"
-                  for claim in own]
-        lines.append("")
-        for claim in own:
-            lines += details(claim, rows, tests, known_sections)
+    lines += [
+        "",
+        f"{len(used)} of the {len(rows)} comparisons of the report stand behind a claim. The others check the simulations: temperature, flow profile, another shear rate or order of the pairs.",
+        "",
+        "## What is not reproduced", "",
+        "| paper | claim | why |", "|---|---|---|",
+        *(f"| {claim['paper']} | \\ref claim-{claim['id']} \"{titles[claim['id']]}\" | {plain(claim.get('note', ''))} |"
+          for claim in claims if verdict(claim, rows) == NO),
+        "",
+        "## How to read a verdict", "",
+        "- *Reproduced*: all comparisons behind the claim agree, and its criterion, if it has one, is met by "
+        f"{SIGMAS} standard errors. *Not reproduced*: it is missed by as much. *Cannot tell*: neither, or the paper does not say enough.",
+        "- A word without a number (well, good, small) is read as 10 %. The measured deviation stands beside it, for a reader with another measure.",
+        "- A value is followed by what the figure compares it with, and by its deviation from that. A bound (at most, at least) agrees if the value is on the right side of it, however far.",
+        "- A run time is that of one core, for all runs behind the claim at the budget of the committed figures. `ctest` is to be run in the build folder.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def page_of_paper(paper, claims, rows, tests, known_sections):
+    own, titles = [claim for claim in claims if claim["paper"] == paper], headings(claims)
+    lines = [f"# Claims of {paper} {{#claims-{paper.lower()}}}", "",
+             f"*What does {paper} say about results, and what becomes of it?* How to read a verdict: \\ref claims.", "", "| claim | verdict |", "|---|---|"]
+    lines += [f"| \\ref claim-{claim['id']} \"{titles[claim['id']]}\" | {verdict(claim, rows)} |" for claim in own]
+    lines += ["", "## One by one", ""]
+    for claim in own:
+        lines += details(claim, titles[claim["id"]], rows, tests, known_sections)
     return "\n".join(lines) + "\n"
 
 
@@ -478,7 +516,7 @@ def stale_table():
 def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="check only")
-    parser.add_argument("--out", metavar="FILE", help="write the page")
+    parser.add_argument("--out", metavar="FILE", help="write the page, and beside it one for each paper")
     parser.add_argument("--dpdref", metavar="PROGRAM", help="evaluate closed forms with this program")
     options = parser.parse_args(arguments)
     if not options.check and not options.out:
@@ -490,8 +528,11 @@ def main(arguments):
     if mistakes:
         return 1
     if options.out:
-        with open(options.out, "w", encoding="utf-8") as file:
-            file.write(page(claims, rows, tests, known_sections))
+        out = pathlib.Path(options.out)
+        out.write_text(page(claims, rows), encoding="utf-8")
+        for paper in PAPERS:
+            (out.parent / f"claims-{paper.lower()}.md").write_text(page_of_paper(paper, claims, rows, tests, known_sections),
+                                                                   encoding="utf-8")
     counts = collections.Counter(verdict(claim, rows) for claim in claims)
     print(f"{len(claims)} claims: " + ", ".join(f"{counts[word]} {word}" for word in VERDICTS))
     drawn = {row["figure"] for row in rows}
