@@ -1,3 +1,5 @@
+/// @file
+/// What both solvers of the encounter share, computed once.
 #include "encounter_basis.hpp"
 
 #include <algorithm>

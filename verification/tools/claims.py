@@ -513,6 +513,15 @@ def stale_table():
         yield "README.md: the table of kinds is not that of figures/report.md: copy it"
 
 
+def stale_count(claims, rows):
+    """README.md says how many claims have which verdict"""
+    counts = collections.Counter(verdict(claim, rows) for claim in claims)
+    line = (f"Of {len(claims)} statements in three papers {counts[YES]} are reproduced, {counts[NO]} are not, {counts[OPEN]} cannot be "
+            "decided")
+    if line not in read(ROOT / "README.md"):
+        yield f"README.md: does not say '{line}'"
+
+
 def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="check only")
@@ -522,7 +531,7 @@ def main(arguments):
     if not options.check and not options.out:
         parser.error("--check or --out FILE")
     claims, rows, tests, known_sections, mistakes = collect(options.dpdref)
-    mistakes = [*mistakes, *stale_table()]
+    mistakes = [*mistakes, *stale_table(), *(stale_count(claims, rows) if not mistakes else [])]
     for mistake in mistakes:
         print(f"claims: {mistake}", file=sys.stderr)
     if mistakes:

@@ -81,6 +81,7 @@ def ends(text):
 
 def made(file):
     text = equations.labelled(file)
+    text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
     text = measured.drawn(text)
     text = MARK.sub(lambda match: shown(match[1]), text)
     # open where scripts are off and on paper; the head of the pages closes them
