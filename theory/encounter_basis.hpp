@@ -46,7 +46,7 @@ struct Source {
 };
 /// w r^.g, and its tensor's norm is 1.
 extern Source const force_source;
-/// s, and B in its two parts; both in units of their tensors, of which <T_xy U_xy> = <T:U> xy_share(d).
+/// s, and B in its two parts; both in units of their tensors, of which \f$\langle T_{xy}U_{xy}\rangle=\langle T:U\rangle\f$ xy_share(d).
 extern Source const stress_source, relaxation_along, relaxation_across;
 double xy_share(int d);
 

@@ -5,9 +5,9 @@ In the pages below every number with a decimal point, a per cent sign, an error,
 mark of measured.py (@measured, @ratio, @data, @report, @recorded, @closed, @given), or be of one of the kinds in EXEMPT. README.md, which
 is read as it stands, has the mark in a comment right behind the number, and the number must be what the mark gives.
 
-usage: numbers.py                       one line per number that comes from nowhere
-       numbers.py --dpdref PROGRAM      the closed forms are evaluated, too: @closed{ID ARGUMENTS;VALUE}
-       numbers.py --set-after           where a criterion was set after looking: every place so marked
+usage: drawn_numbers.py                       one line per number that comes from nowhere
+       drawn_numbers.py --dpdref PROGRAM      the closed forms are evaluated, too: @closed{ID ARGUMENTS;VALUE}
+       drawn_numbers.py --set-after           where a criterion was set after looking: every place so marked
 
 Exit code 1 with one line per mistake. Python's standard library only.
 """
