@@ -2,39 +2,87 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <string_view>
 #include <utility>
 
+#include "files.hpp"
 #include "hdf5.hpp"
 
 namespace dpd {
 using namespace hdf5;
 
+namespace {
+
+// How a file ends: these words, 16 hexadecimal digits, a line break. HDF5 does not look behind its last
+// address.
+constexpr std::string_view digest_is = "dpdref digest crc64 ";
+constexpr std::size_t ending = digest_is.size() + 17;
+// That it has to end like this, where the ending itself may be lost.
+constexpr char const* has_digest = "dpdref_digest";
+
+std::string ending_of(std::string_view bytes) { return fmt::format("{}{:016x}\n", digest_is, digest(bytes)); }
+
+std::string tail_of(std::filesystem::path const& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string tail(ending, '\0');
+    file.seekg(-std::ptrdiff_t(ending), std::ios::end);
+    file.read(tail.data(), std::ptrdiff_t(ending));
+    return file ? tail : "";
+}
+
+}  // namespace
+
 struct Archive::File {
     H5::H5File h5;
 };
 
+bool Archive::is_ours(std::filesystem::path const& path) { return tail_of(path).starts_with(digest_is); }
+
+void Archive::refuse(std::string const& name, std::string const& problem) const {
+    throw Damaged(
+        fmt::format("{}: {}: {}; allowed: a file as it was written", path_.string(), name, problem));
+}
+
 Archive::Archive(std::filesystem::path path, Mode mode)
-    : file_(std::make_unique<File>()), path_(std::move(path)), temporary_(path_), mode_(mode) {
-    temporary_ += ".part";
-    if (mode_ == Mode::write && path_.has_parent_path() &&
-        !std::filesystem::is_directory(path_.parent_path()))
-        throw InputError(fmt::format("{}: cannot create: the directory does not exist", path_.string()));
-    guarded(path_, mode_ == Mode::read ? "open" : "create", [&] {
-        file_->h5 = mode_ == Mode::read ? H5::H5File(path_.string(), H5F_ACC_RDONLY)
-                                        : H5::H5File(temporary_.string(), H5F_ACC_TRUNC);
-    });
+    : file_(std::make_unique<File>()), path_(std::move(path)), mode_(mode) {
+    if (mode_ == Mode::write) {
+        if (path_.has_parent_path() && !std::filesystem::is_directory(path_.parent_path()))
+            throw InputError(fmt::format("{}: cannot create: the directory does not exist", path_.string()));
+        guarded(path_, "create", [&] {
+            file_->h5 = create_in_memory();
+            file_->h5.createAttribute(has_digest, H5::PredType::NATIVE_INT32, H5::DataSpace(H5S_SCALAR));
+        });
+        return;
+    }
+    std::error_code ignored;
+    if (std::filesystem::exists(path_, ignored) && !std::filesystem::is_regular_file(path_, ignored))
+        throw InputError(fmt::format("{}: cannot open: is no regular file", path_.string()));
+    if (is_ours(path_)) {
+        std::string bytes = read_file(path_);
+        std::string const end = bytes.substr(bytes.size() - ending);
+        bytes.resize(bytes.size() - ending);
+        if (end != ending_of(bytes))
+            throw Damaged(fmt::format("{}: is damaged: its digest is wrong", path_.string()));
+        guarded(path_, "open", [&] { file_->h5 = open_bytes(bytes); });
+    } else {
+        guarded(path_, "open", [&] {
+            file_->h5 = H5::H5File(path_.string(), H5F_ACC_RDONLY);
+            if (file_->h5.attrExists(has_digest))
+                throw Damaged(fmt::format("{}: is damaged: its digest is gone", path_.string()));
+        });
+    }
 }
 
 Archive::~Archive() {
     std::scoped_lock const lock(library);
     file_.reset();
-    std::error_code ignored;
-    if (mode_ == Mode::write) std::filesystem::remove(temporary_, ignored);
 }
 
 void Archive::commit() {
-    guarded(path_, "write", [&] { file_->h5.close(); });
-    std::filesystem::rename(temporary_, path_);
+    std::string bytes = guarded(path_, "write", [&] { return bytes_of(file_->h5); });
+    bytes += ending_of(bytes);
+    write_file(path_, bytes);
 }
 
 bool Archive::has(std::string const& name) const {
@@ -64,22 +112,24 @@ std::vector<std::string> Archive::observables() const {
 void Archive::operator()(std::string const& name, double& value) {
     std::vector<double> one{value};
     (*this)(name, one);
-    value = one.at(0);
+    if (one.size() != 1) refuse(name, "is not one number");
+    value = one.front();
 }
 
 void Archive::operator()(std::string const& name, std::uint64_t& value) {
     std::vector<std::uint64_t> one{value};
     (*this)(name, one);
-    value = one.at(0);
+    if (one.size() != 1) refuse(name, "is not one number");
+    value = one.front();
 }
 
 void Archive::operator()(std::string const& name, std::string& value) {
     guarded(path_, reading() ? "read" : "write", [&] {
         H5::DataSpace const scalar(H5S_SCALAR);
         if (reading())
-            file_->h5.openDataSet(name).read(value, text_type);
+            file_->h5.openDataSet(name).read(value, text_type());
         else
-            create(file_->h5, name, text_type, scalar).write(value, text_type);
+            create(file_->h5, name, text_type(), scalar).write(value, text_type());
     });
 }
 
@@ -98,11 +148,13 @@ void Archive::array(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic
     guarded(path_, reading() ? "read" : "write", [&] {
         if (reading()) {
             H5::DataSet const set = file_->h5.openDataSet(name);
+            H5::DataSpace const space = set.getSpace();
             hsize_t size[2];
-            set.getSpace().getSimpleExtentDims(size);
+            if (space.getSimpleExtentNdims() != 2) refuse(name, "is no table");
+            space.getSimpleExtentDims(size);
             if (columns != Eigen::Dynamic && std::cmp_not_equal(size[0], columns))
-                throw InputError(fmt::format("{}: {} has {} columns; allowed: {}", path_.string(), name,
-                                             size[0], columns));
+                refuse(name, fmt::format("has {} columns, not {}", size[0], columns));
+            check_is_there(set);
             by_column.resize(static_cast<Eigen::Index>(size[1]), static_cast<Eigen::Index>(size[0]));
             if (by_column.size() > 0) set.read(by_column.data(), type_of<Scalar>());
             values = by_column;

@@ -12,8 +12,9 @@
 namespace dpd {
 
 /// A file open for reading or for writing. The same call, `archive("group/name", value)`, stores or restores
-/// a value, so that one function describes both directions. Writing goes to a temporary file beside the
-/// target; `commit` renames it. Errors: InputError naming the file.
+/// a value, so that one function describes both directions. What is written is in memory until `commit`, and
+/// ends with a digest of all bytes, which reading checks; files of others, and of earlier versions, have
+/// none. Errors: InputError naming the file; Damaged if it is not as it was written.
 class Archive {
 public:
     enum class Mode { read, write };
@@ -21,6 +22,12 @@ public:
     ~Archive();
     Archive(Archive const&) = delete;
     Archive& operator=(Archive const&) = delete;
+
+    /// Whether the file ends like one of ours, whole or damaged.
+    static bool is_ours(std::filesystem::path const& path);
+
+    /// Damaged: the file holds a value that cannot be, or not here.
+    [[noreturn]] void refuse(std::string const& name, std::string const& problem) const;
 
     bool reading() const { return mode_ == Mode::read; }
     bool has(std::string const& name) const;
@@ -46,7 +53,7 @@ public:
     void describe_time(std::string const& name, std::uint64_t first_step, std::uint64_t interval,
                        double time_step);
 
-    /// Puts the finished file in place.
+    /// Writes the finished file, whole or not at all.
     void commit();
 
 private:
@@ -55,7 +62,7 @@ private:
 
     struct File;
     std::unique_ptr<File> file_;
-    std::filesystem::path path_, temporary_;
+    std::filesystem::path path_;
     Mode mode_;
 };
 

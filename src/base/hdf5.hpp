@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "errors.hpp"
@@ -27,7 +28,7 @@ H5::PredType const& type_of() {
     if constexpr (std::same_as<T, std::int32_t>) return H5::PredType::NATIVE_INT32;
 }
 
-inline H5::StrType const text_type(H5::PredType::C_S1, H5T_VARIABLE);
+inline H5::StrType text_type() { return {H5::PredType::C_S1, H5T_VARIABLE}; }
 
 // Runs `action`; an HDF5 error becomes one line that names the file.
 template <class Action>
@@ -37,9 +38,18 @@ auto guarded(std::filesystem::path const& path, char const* verb, Action&& actio
     try {
         return action();
     } catch (H5::Exception const& error) {
-        throw InputError(fmt::format("{}: cannot {}: {}", path.string(), verb, error.getDetailMsg()));
+        throw Damaged(fmt::format("{}: cannot {}: {}", path.string(), verb, error.getDetailMsg()));
     }
 }
+
+// A new file that is in memory only.
+H5::H5File create_in_memory();
+
+// The bytes of a file that is in memory.
+std::string bytes_of(H5::H5File& file);
+
+// A file in memory for reading.
+H5::H5File open_bytes(std::string const& bytes);
 
 inline H5::LinkCreatPropList with_groups() {
     H5::LinkCreatPropList properties;
@@ -53,10 +63,14 @@ inline H5::DataSet create(H5::H5File& file, std::string const& name, H5::DataTyp
     return file.createDataSet(name, type, space, properties, H5::DSetAccPropList::DEFAULT, with_groups());
 }
 
+// A data set may declare more values than its file holds; memory for them is not taken. H5::Exception.
+void check_is_there(H5::DataSet const& set);
+
 template <class T>
 void vector_io(H5::H5File& file, bool reading, std::string const& name, std::vector<T>& values) {
     if (reading) {
         H5::DataSet const set = file.openDataSet(name);
+        check_is_there(set);
         values.resize(static_cast<std::size_t>(set.getSpace().getSimpleExtentNpoints()));
         if (!values.empty()) set.read(values.data(), type_of<T>());
     } else {

@@ -6,7 +6,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "errors.hpp"
+
 namespace dpd {
+
+void warn(std::string const& text) { fmt::print(stderr, "dpdref: warning: {}\n", one_line(text)); }
 
 std::string duration_text(double seconds) {
     if (!std::isfinite(seconds)) return "unknown";

@@ -9,6 +9,9 @@
 
 namespace dpd {
 
+/// A line on standard error that does not stop the work: "dpdref: warning: ...".
+void warn(std::string const& text);
+
 class Progress {
 public:
     /// Where standard error is no terminal, a line is written after each `interval`; shorter work is silent.

@@ -8,12 +8,6 @@
 
 namespace dpd {
 
-std::string one_line(std::string text) {
-    for (char& c : text)
-        if (c == '\n' || c == '\r') c = ' ';
-    return text;
-}
-
 TomlReader::TomlReader(toml::table const& table, std::string path, std::string file)
     : table_(table), path_(std::move(path)), file_(std::move(file)) {}
 
@@ -159,7 +153,24 @@ std::string TomlReader::where(toml::node const& node) const {
     return source.begin.line ? fmt::format("{}:{}", file_, source.begin.line) : file_;
 }
 
+namespace {
+
+// The parser and its tables call themselves for each dot of a key. (Brackets the parser counts itself.)
+void check_depth(std::string const& text, std::string const& name) {
+    constexpr int deepest = 1000;
+    int line = 1, dots = 0;
+    for (char const c : text) {
+        if (c == '\n') ++line;
+        if (c == '\n' || c == '=' || c == ',') dots = 0;
+        if (c == '.' && ++dots > deepest)
+            throw InputError(fmt::format("{}:{}: is nested more than {} levels deep", name, line, deepest));
+    }
+}
+
+}  // namespace
+
 toml::table parse_toml(std::string const& text, std::string const& name) {
+    check_depth(text, name);
     try {
         return toml::parse(text, name);
     } catch (toml::parse_error const& error) {
@@ -203,6 +214,7 @@ void override_key(toml::table& table, std::string const& assignment, std::string
             one_line(fmt::format("{} {}: not an assignment; allowed: table.key=value", origin, assignment)));
     std::string const path = assignment.substr(0, equals), value = assignment.substr(equals + 1);
     std::string const name = fmt::format("{} {}", origin, path);
+    check_depth(path, name);
     toml::table parsed = parse_value(value, name);
     toml::table* target = &table;
     std::string key = path;

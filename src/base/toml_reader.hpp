@@ -31,9 +31,6 @@ inline constexpr Allowed any_number{[](double) { return true; }, "a finite numbe
 inline constexpr Allowed positive_integer{[](double x) { return x >= 1.0; }, "an integer >= 1"};
 inline constexpr Allowed non_negative_integer{[](double x) { return x >= 0.0; }, "an integer >= 0"};
 
-/// The text on one line, for messages: line breaks become spaces.
-std::string one_line(std::string text);
-
 /// A table whose keys are read one by one; `finish` complains about those that nothing has asked for.
 class TomlReader {
 public:

@@ -5,22 +5,36 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace dpd {
 
-/// A trajectory in the H5MD layout (de Buyl, Colberg & Hofling, Comput. Phys. Commun. 185, 1546 (2014)), one
-/// frame at a time; every frame is on disk, readable, when `append` returns.
+/// What all frames of a trajectory share, and whose it is.
+struct TrajectoryOf {
+    std::string run;  ///< key of the run: no other run writes to its file
+    std::vector<double> box_length;
+    std::size_t particles = 0;
+    double shear_rate = 0.0;
+};
+
+/// A trajectory in the H5MD layout (de Buyl, Colberg & Hofling, Comput. Phys. Commun. 185, 1546 (2014)). Its
+/// file holds the frames up to the last `commit`, whole at any time; those since then are beside it, in
+/// `path`.part, and are lost with the process. Frames have checksums. Errors: InputError naming the file.
 class Trajectory {
 public:
-    /// Creates the file; or, with `keep_until_step` > 0, opens it and forgets all later frames.
-    Trajectory(std::filesystem::path const& path, std::vector<double> const& box_length,
-               std::size_t particles, double shear_rate, std::uint64_t keep_until_step);
+    /// Goes on after the first `frames` frames of the file, the last of them at `step`; what is behind them
+    /// is forgotten. With none, begins a new file in place of an older one of the same run. Refuses a file of
+    /// another run, and one that lacks frames.
+    Trajectory(std::filesystem::path path, TrajectoryOf what, std::uint64_t frames, std::uint64_t step);
     ~Trajectory();
 
     /// Row-major arrays of particles x dimension, in the order of `id`.
     void append(std::uint64_t step, double time, std::vector<double> const& position,
                 std::vector<double> const& velocity, std::vector<std::int32_t> const& image);
+
+    /// Puts all frames in place.
+    void commit();
 
 private:
     struct File;

@@ -16,6 +16,7 @@
 #include "judge_figure.hpp"
 #include "report.hpp"
 #include "run_figure.hpp"
+#include "signals.hpp"
 #include "stability.hpp"
 #include "work_precision.hpp"
 #include "write_figure.hpp"
@@ -47,7 +48,7 @@ struct CampaignChoice {
         std::filesystem::path directory = output;
         if (output.empty())
             directory = std::filesystem::path(budget == "quick" ? "figures/quick" : "figures") / below;
-        CampaignOptions options{.cache = cache, .output = directory, .jobs = jobs, .stop = &stop_requested};
+        CampaignOptions options{.cache = cache, .output = directory, .jobs = jobs, .stop = &stop_requested()};
         if (shard) options.shard = shard_from_text(*shard);
         return options;
     }

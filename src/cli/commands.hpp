@@ -3,7 +3,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -16,9 +15,6 @@ namespace dpd::cli {
 
 inline constexpr int exit_done = 0, exit_disagrees = 1, exit_bad_input = 2, exit_diverged = 3,
                      exit_interrupted = 130;
-
-/// Set by SIGINT and SIGTERM; runs look at it after each step.
-extern std::atomic<bool> stop_requested;
 
 /// A subcommand, and what it does once the command line has been read; returns the exit code.
 struct Command {

@@ -10,6 +10,7 @@
 #include "lammps.hpp"
 #include "progress.hpp"
 #include "run.hpp"
+#include "signals.hpp"
 
 namespace dpd::cli {
 namespace {
@@ -64,7 +65,7 @@ void print_json(Scene const& scene, RunResult const& result) {
                           {"coincident_pairs", counters.coincident_pairs}};
     output["bytes"] = result.bytes;
     output["nanoseconds_per_particle_and_step"] = cost_of(result);
-    fmt::print("{}\n", output.dump(1));
+    fmt::print("{}\n", output.dump(1, ' ', false, Json::error_handler_t::replace));
 }
 
 void print_text(Scene const& scene, RunResult const& result) {
@@ -122,7 +123,7 @@ Command run(CLI::App& app) {
                 if (scene.engine == Engine::plain) announce_plain(scene);
                 RunOptions how;
                 if (options->out) how.output = *options->out;
-                how.stop = &stop_requested;
+                how.stop = &stop_requested();
                 RunResult result;
                 {
                     Progress progress(scene.title.empty() ? options->scene.file : scene.title);

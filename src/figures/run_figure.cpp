@@ -202,6 +202,7 @@ std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions 
                     {key, cost_of(scene),
                      [scene, key, &options, &progressing](RunResult& result, Report const& report) {
                          result = run(scene, {.output = options.cache / (key + ".h5"),
+                                              .cache = true,
                                               .stop = options.stop,
                                               .progress = report});
                          if (!options.shard) progressing.take(key, result);

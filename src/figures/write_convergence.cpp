@@ -95,7 +95,7 @@ void write_convergence(Figure const& figure, std::string const& budget, std::fil
     draw(output / name, *plot,
          fmt::format("title_text = {}\ndata = {}\ncaption = {}\ncurves = {}\narray part[curves] = [{}]\n"
                      "array legend[curves] = [{}]\nleast = {:g}\nfirst = {:g}\nlast = {:g}\n",
-                     quoted(figure.title), quoted(data.string()), quoted(wrapped(caption)), shown.size(),
+                     quoted(figure.title), quoted_path(data), quoted(wrapped(caption)), shown.size(),
                      fmt::join(parts, ", "), fmt::join(titles, ", "), least, first, last));
 }
 

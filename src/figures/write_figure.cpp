@@ -143,7 +143,7 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
                                             figure.caption, duration_text(figure.seconds), budget);
     draw(output / figure.id, figure.directory / "plot.gp",
          fmt::format("title_text = {}\ndata = {}\nlines = {}\ncaption = {}\n", quoted(figure.title),
-                     quoted(data.string()), quoted(lines.string()), quoted(wrapped(caption))));
+                     quoted_path(data), quoted_path(lines), quoted(wrapped(caption))));
     write_convergence(figure, budget, output);
 }
 

@@ -36,7 +36,9 @@ void Record::archive(Archive& archive) {
 
 template <int d>
 Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulation)
-    : parameters_(std::move(parameters)), time_step_(simulation.time_step) {
+    : parameters_(std::move(parameters)),
+      time_step_(simulation.time_step),
+      particles_(simulation.particles.size()) {
     auto& series = record_.series;
     for_each_series([&](auto const& row) {
         if (parameters_.observables.contains(row.observable) &&
@@ -65,8 +67,7 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
         bond_search_.cutoff = p->range;
         bond_search_.check(simulation.box);
     }
-    if (parameters_.configuration)
-        record_.configuration.setZero(Eigen::Index{simulation.particles.fluid}, d);
+    if (parameters_.configuration) record_.configuration.setZero(Eigen::Index{simulation.particles.fluid}, d);
     auto const correlation = [&](std::string const& name, CorrelationParameters const& p) {
         curve(name, p.lags + 1, 0.0, double(p.spacing) * simulation.time_step);
     };
@@ -258,20 +259,53 @@ template <int d>
 void Recorder<d>::archive_origins(Archive& archive, std::string const& name, std::vector<Origin>& origins) {
     std::uint64_t count = origins.size();
     archive("checkpoint/" + name + "/origins", count);
+    if (count > parameters_.steps) archive.refuse("checkpoint/" + name + "/origins", "are more than steps");
     origins.resize(count);
     for (std::size_t o = 0; o < origins.size(); ++o) {
         archive(fmt::format("checkpoint/{}/{}/step", name, o), origins[o].step);
         archive(fmt::format("checkpoint/{}/{}/value", name, o), origins[o].value);
+        if (origins[o].step < parameters_.equilibration || origins[o].step >= parameters_.steps ||
+            origins[o].value.rows() != particles_)
+            archive.refuse("checkpoint/" + name, "has an origin that is not of this run");
     }
+}
+
+// A record that was read has the bins and blocks of its scene, and as many samples of each observable.
+template <int d>
+void Recorder<d>::check(Archive const& archive, Record const& expected) const {
+    auto const same_size = [](auto const& a, auto const& b) {
+        return a.rows() == b.rows() && a.cols() == b.cols();
+    };
+    for (auto const& [name, curve] : record_.curves) {
+        auto const& as = expected.curves.at(name);
+        if (curve.x.size() != as.x.size() || !same_size(curve.sum, as.sum) ||
+            !same_size(curve.weight, as.weight))
+            archive.refuse("observables/" + name, "has not the bins of the scene");
+    }
+    std::optional<std::size_t> samples;
+    for_each_series([&](auto const& row) {
+        auto const found = record_.series.find(row.name);
+        if (found == record_.series.end()) return;
+        if (samples.value_or(found->second.size()) != found->second.size())
+            archive.refuse("observables/" + found->first, "has not as many samples as the others");
+        samples = found->second.size();
+    });
+    if (!same_size(record_.configuration, expected.configuration))
+        archive.refuse("observables/configuration", "is not one position per particle");
 }
 
 template <int d>
 void Recorder<d>::archive(Archive& archive) {
-    record_.archive(archive);
-    if (!archive.reading())
+    if (archive.reading()) {
+        Record const expected = record_;
+        record_.archive(archive);
+        check(archive, expected);
+    } else {
+        record_.archive(archive);
         for (auto const& [name, values] : record_.series)
             archive.describe_time("observables/" + name, parameters_.equilibration, parameters_.interval,
                                   time_step_);
+    }
     if (parameters_.mean_square_displacement) archive_origins(archive, "displacement", displacement_origins_);
     // not "velocity": that is the particles'
     if (parameters_.velocity_autocorrelation)

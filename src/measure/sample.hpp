@@ -115,9 +115,11 @@ private:
                    std::vector<Origin>&, Value value, Product product);
     Eigen::Index block_of(std::uint64_t step) const;
     void archive_origins(Archive& archive, std::string const& name, std::vector<Origin>& origins);
+    void check(Archive const& archive, Record const& expected) const;
 
     SampleParameters parameters_;
     double time_step_ = 0.0;
+    Eigen::Index particles_ = 0;
     Record record_;
     PairSearch<d> wide_search_;  // for g(r) beyond the cutoff
     PairSearch<d> bond_search_;

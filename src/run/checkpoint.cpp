@@ -10,13 +10,35 @@
 namespace dpd {
 namespace {
 
+// Rows that a file names and that are not there would be read.
+template <int d>
+void check_state(Archive const& archive, Simulation<d> const& simulation, Eigen::Index count) {
+    auto const& particles = simulation.particles;
+    if (particles.position.rows() != count || particles.velocity.rows() != count ||
+        particles.image.rows() != count || particles.id.rows() != count)
+        archive.refuse("checkpoint", fmt::format("is not of {} particles", count));
+    std::vector<bool> seen(static_cast<std::size_t>(count));
+    for (Eigen::Index p = 0; p < count; ++p) {
+        if (particles.id[p] >= count || seen[particles.id[p]])
+            archive.refuse("checkpoint/id", "is not each particle once");
+        seen[particles.id[p]] = true;
+    }
+    for (int axis = 0; axis < d; ++axis)
+        if (!(particles.position.col(axis) >= 0.0).all() ||
+            !(particles.position.col(axis) <= simulation.box.length[axis]).all())
+            archive.refuse("checkpoint/position", "is not in the box");
+    if (!particles.velocity.isFinite().all()) archive.refuse("checkpoint/velocity", "is not finite");
+}
+
 // Everything a run needs to go on as if it had never stopped.
 template <int d>
 void archive_state(Archive& archive, Engine engine, Simulation<d>& simulation) {
+    Eigen::Index const count = simulation.particles.size();
     archive("checkpoint/position", simulation.particles.position);
     archive("checkpoint/velocity", simulation.particles.velocity);
     archive("checkpoint/image", simulation.particles.image);
     archive("checkpoint/id", simulation.particles.id);
+    if (archive.reading()) check_state(archive, simulation, count);
     archive("checkpoint/time", simulation.time);
     archive("checkpoint/step", simulation.step);
     auto& stress = simulation.stage_stress;
@@ -41,6 +63,8 @@ void archive_state(Archive& archive, Engine engine, Simulation<d>& simulation) {
     archive("checkpoint/forces/found", forces);
     if (forces) {
         archive("checkpoint/forces/force", simulation.force);
+        if (simulation.force.rows() != count || !simulation.force.isFinite().all())
+            archive.refuse("checkpoint/forces/force", "is not one force per particle");
         archive("checkpoint/forces/potential_virial", simulation.pair_virials.potential);
         archive("checkpoint/forces/thermostat_virial", simulation.pair_virials.thermostat);
         archive("checkpoint/forces/friction_virial", simulation.pair_virials.friction);
@@ -104,7 +128,11 @@ bool RunFile<d>::load(Simulation<d>& simulation, Recorder<d>& recorder, double& 
     archive("dpdref/bytes", bytes);
     archive_counters(archive, simulation.counters);
     recorder.archive(archive);
-    if (!complete) archive_state(archive, scene_.engine, simulation);
+    if (!complete) {
+        archive_state(archive, scene_.engine, simulation);
+        if (simulation.step > scene_.steps())
+            archive.refuse("checkpoint/step", "is behind the end of the run");
+    }
     return true;
 }
 

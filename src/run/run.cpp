@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <chrono>
 
+#include "archive.hpp"
 #include "checkpoint.hpp"
+#include "files.hpp"
 #include "forces.hpp"
 #include "plain_stages.hpp"
+#include "progress.hpp"
+#include "signals.hpp"
 #include "trajectory.hpp"
 
 namespace dpd {
@@ -78,43 +82,78 @@ void append_frame(Trajectory& trajectory, Simulation<d> const& simulation) {
     trajectory.append(simulation.step, simulation.time, position, velocity, image);
 }
 
-template <int d>
-RunResult run_in(Scene const& scene, RunOptions const& options) {
-    using Clock = std::chrono::steady_clock;
-    std::unique_ptr<Recorder<d>> recorder;
-    Simulation<d> simulation = build<d>(scene, [&recorder](Simulation<d>& s) { (*recorder)(s); });
-    recorder = std::make_unique<Recorder<d>>(scene.sample, simulation);
-
-    double earlier_seconds = 0.0;
-    std::uint64_t earlier_bytes = 0;
-    bool complete = false;
-    std::optional<RunFile<d>> file;
-    if (options.output && scene.trajectory_interval > 0 &&
-        trajectory_path(*options.output) == *options.output)
+void check_place_of_trajectory(Scene const& scene, RunOptions const& options) {
+    if (scene.trajectory_interval == 0) return;
+    if (!options.output)
+        throw InputError("trajectory: has no place to go; allowed: with an output file (--out)");
+    if (trajectory_path(*options.output) == *options.output)
         throw InputError(
             fmt::format("{}: is where the trajectory goes; allowed: another extension for results",
                         options.output->string()));
-    if (!options.output && scene.trajectory_interval > 0)
-        throw InputError("trajectory: has no place to go; allowed: with an output file (--out)");
-    if (options.output) file.emplace(scene, *options.output);
-    bool const resumed = file && file->load(simulation, *recorder, earlier_seconds, earlier_bytes, complete);
+}
+
+template <int d>
+RunResult run_in(Scene const& scene, RunOptions const& options) {
+    using Clock = std::chrono::steady_clock;
+    check_place_of_trajectory(scene, options);
+    std::optional<FileLock> lock;
+    std::optional<RunFile<d>> file;
+    if (options.output) {
+        lock.emplace(*options.output, [&] { return options.stop && *options.stop; });
+        file.emplace(scene, *options.output);
+    }
+    std::unique_ptr<Recorder<d>> recorder;
+    Simulation<d> simulation = build<d>(scene, [&recorder](Simulation<d>& s) { (*recorder)(s); });
+    recorder = std::make_unique<Recorder<d>>(scene.sample, simulation);
+    double earlier_seconds = 0.0;
+    std::uint64_t earlier_bytes = 0;
+    bool complete = false, resumed = false;
+    if (file) try {
+            resumed = file->load(simulation, *recorder, earlier_seconds, earlier_bytes, complete);
+        } catch (InputError const& error) {
+            bool const damaged = dynamic_cast<Damaged const*>(&error) && Archive::is_ours(*options.output);
+            if (!options.cache && !damaged) throw;
+            auto const aside = move_aside(*options.output);
+            warn(fmt::format("{}; moved to {}, and the run is made again", error.what(), aside.string()));
+            lock.reset();
+            return run_in<d>(scene, options);
+        }
     RunResult result;
     result.particles = scene.particles;
     if (complete) {
         result.from_cache = true;
+        result.seconds = earlier_seconds;
+        if (scene.trajectory_interval > 0 && !std::filesystem::exists(trajectory_path(*options.output)))
+            warn(fmt::format("{}: is gone; remove {} to make both again",
+                             trajectory_path(*options.output).string(), options.output->string()));
     } else {
-        // an output that cannot be written is refused before the work, not after it
-        if (file && !resumed) file->save("interrupted", simulation, *recorder, 0.0);
         std::unique_ptr<Trajectory> trajectory;
-        if (scene.trajectory_interval > 0 && options.output)
-            trajectory = std::make_unique<Trajectory>(trajectory_path(*options.output), scene.length,
-                                                      scene.particles + scene.wall_particles,
-                                                      scene.shear_rate, simulation.step);
+        if (scene.trajectory_interval > 0) {
+            std::uint64_t const frames = simulation.step / scene.trajectory_interval;
+            trajectory =
+                std::make_unique<Trajectory>(trajectory_path(*options.output),
+                                             TrajectoryOf{.run = scene.key(),
+                                                          .box_length = scene.length,
+                                                          .particles = scene.particles + scene.wall_particles,
+                                                          .shear_rate = scene.shear_rate},
+                                             frames, frames * scene.trajectory_interval);
+        }
         auto const start = Clock::now();
         auto const seconds = [&] {
             return earlier_seconds + std::chrono::duration<double>(Clock::now() - start).count();
         };
-        auto last_checkpoint = start, last_progress = start;
+        // the trajectory first: frames beyond a checkpoint are made again, missing ones are not
+        auto const save = [&](std::string const& status) {
+            Unhurried const whole;
+            if (trajectory) trajectory->commit();
+            result.seconds = seconds();
+            if (file) file->save(status, simulation, *recorder, result.seconds);
+        };
+        // an output that cannot be written is refused before the work, not after it
+        if (!resumed) save("interrupted");
+        using Seconds = std::chrono::duration<double>;
+        auto next_checkpoint = start + Seconds(scene.checkpoint_seconds);
+        auto last_progress = start;
         try {
             while (simulation.step < scene.steps()) {
                 simulation.advance();
@@ -126,10 +165,11 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
                     last_progress = now;
                 }
                 bool const stop = options.stop && *options.stop && simulation.step < scene.steps();
-                if (file && (stop || now - last_checkpoint >
-                                         std::chrono::duration<double>(scene.checkpoint_seconds))) {
-                    file->save("interrupted", simulation, *recorder, seconds());
-                    last_checkpoint = now;
+                if (file && (stop || now > next_checkpoint)) {
+                    save("interrupted");
+                    auto const end = Clock::now();
+                    next_checkpoint =
+                        end + Seconds(checkpoint_pause(scene.checkpoint_seconds, Seconds(end - now).count()));
                 }
                 if (stop)
                     throw Interrupted(fmt::format(
@@ -137,19 +177,15 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
                         file ? "the same command goes on from there" : "without --out nothing is kept"));
             }
         } catch (Diverged const& divergence) {
-            if (file)
-                file->save(fmt::format("{}{}", diverged, divergence.what()), simulation, *recorder,
-                           seconds());
+            save(fmt::format("{}{}", diverged, divergence.what()));
             throw;
         }
-        earlier_seconds = seconds();
-        if (file) file->save("complete", simulation, *recorder, earlier_seconds);
+        save("complete");
     }
     if (options.progress) options.progress(1.0);
     if (!complete) result.kinetic_temperature = kinetic_temperature(simulation.particles, simulation.box);
     result.record = recorder->record();
     result.counters = simulation.counters;
-    result.seconds = earlier_seconds;
     result.bytes = complete ? earlier_bytes : simulation.bytes();
     return result;
 }

@@ -30,7 +30,9 @@ struct RunResult {
 
 struct RunOptions {
     std::optional<std::filesystem::path> output;  ///< HDF5 file; also where checkpoints live
-    std::atomic<bool> const* stop = nullptr;      ///< ends the run after the present step
+    bool cache =
+        false;  ///< the file is one of a cache: whatever cannot be used there is moved aside and made
+    std::atomic<bool> const* stop = nullptr;  ///< ends the run after the present step
     std::function<void(double fraction)> progress;
 };
 
@@ -40,8 +42,9 @@ template <int d>
 Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> sample);
 
 /// Runs a scene to its end. With an output file: returns its results if it holds this scene completed,
-/// resumes if it holds a checkpoint of it. Throws InputError (also if the file holds another scene),
-/// Diverged, Interrupted; the file then keeps what was computed.
+/// resumes if it holds a checkpoint of it. A file of its own that is damaged is said, moved aside and made
+/// again. Another process that works on the same file is waited for. Throws InputError (also if the file
+/// holds another scene), Diverged, Interrupted; the file then keeps what was computed.
 RunResult run(Scene const& scene, RunOptions const& options = {});
 
 }  // namespace dpd

@@ -458,9 +458,10 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& path, std:
                                 std::min(range.largest, integrator.largest_friction_step / friction);
                         // both scenes are checked before anything runs
                         parse_scene(point.start, fmt::format("{}: start", file));
-                        Scene const scene = parse_scene(
-                            point.scene, origin,
-                            {fmt::format("time.step={}", point.range.largest), "time.duration=1"});
+                        Scene const scene =
+                            parse_scene(point.scene, origin,
+                                        {fmt::format("time.step={}", point.range.largest),
+                                         fmt::format("time.duration={}", point.range.largest)});
                         double const n = (double(scene.particles) - 2.0) / scene.volume();
                         point.critical_step = friction > 0.0 ? theory::critical_step({.d = scene.dimension,
                                                                                       .n = n,
@@ -579,8 +580,8 @@ void write_stability(std::vector<StabilityMap> const& maps, std::string const& b
     for (auto const& map : maps)
         for (auto const& plot : map.plots)
             draw(output / plot, directory / (plot + ".gp"),
-                 fmt::format("data = {}\nscripts = {}\n", quoted((output / "data").string()),
-                             quoted(directory.string())),
+                 fmt::format("data = {}\nscripts = {}\n", quoted_path(output / "data"),
+                             quoted_path(directory)),
                  800, 900);
 }
 

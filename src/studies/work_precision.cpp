@@ -190,18 +190,20 @@ bool run_studies(std::vector<Study>& studies, CampaignOptions const& options) {
     std::vector<Task<Measured>> tasks;
     for (auto const& study : studies)
         for (auto const& one : study.runs)
-            tasks.push_back({one.scene.key(), double(one.scene.steps()),
-                             [&scene = one.scene, &options](Measured& measured, Report const& report) {
-                                 auto const file = options.cache / (scene.key() + ".h5");
-                                 try {
-                                     measured.result = run(
-                                         scene, {.output = file, .stop = options.stop, .progress = report});
-                                     measured.seconds_per_step = cost_of_step(scene, options.cache);
-                                 } catch (Diverged const&) {
-                                     measured.diverged = true;
-                                 }
-                                 return measured.result.from_cache;
-                             }});
+            tasks.push_back(
+                {one.scene.key(), double(one.scene.steps()),
+                 [&scene = one.scene, &options](Measured& measured, Report const& report) {
+                     auto const file = options.cache / (scene.key() + ".h5");
+                     try {
+                         measured.result =
+                             run(scene,
+                                 {.output = file, .cache = true, .stop = options.stop, .progress = report});
+                         measured.seconds_per_step = cost_of_step(scene, options.cache);
+                     } catch (Diverged const&) {
+                         measured.diverged = true;
+                     }
+                     return measured.result.from_cache;
+                 }});
     auto const done = do_once("work and precision", tasks, options);
     if (!done) return false;
     for (auto& study : studies)
@@ -629,7 +631,7 @@ void write_study(Study const& study, std::string const& budget, std::filesystem:
     std::string const definitions = fmt::format(
         "script_directory = {}\ndata = {}\ntitle_text = {}\norigin = {}\narray names[{}] = [{}]\n"
         "array observables[{}] = [{}]\narray labels[{}] = [{}]\n",
-        quoted(directory.string()), quoted(data.string()), quoted(study.title), quoted(origin),
+        quoted_path(directory), quoted_path(data), quoted(study.title), quoted(origin),
         study.integrators.size(), names, study_observables().size(), observables, study_observables().size(),
         labels);
     for (char const* picture : {"step", "time", "total"})

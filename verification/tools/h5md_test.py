@@ -86,6 +86,7 @@ class Files(unittest.TestCase):
                 with self.subTest(dimension=dimension, shear_rate=shear_rate):
                     self.check_layout(dimension, shear_rate)
                     (self.path / "a.h5").unlink()
+                    (self.path / "a.h5md").unlink()
 
     def check_layout(self, dimension, shear_rate):
         trajectory, _ = self.run_scene(scene(dimension, shear_rate=shear_rate))

@@ -1011,7 +1011,7 @@ BOOST_AUTO_TEST_CASE(the_last_state_is_that_of_the_whole_runs) {
 
 BOOST_AUTO_TEST_CASE(files_hold_every_comparison_and_every_quantity) {
     std::ofstream(directory / "style.gp").close();
-    std::ofstream(directory / "test" / "plot.gp").close();
+    std::ofstream(directory / "test" / "plot.gp") << "plot 0\n";
     Figure figure = made_figure({.quantity = "q", .theory = "previous", .relation = Relation::differs});
     figure.directory = directory / "test";
     figure.points[2].quantities[0].estimate.error = NAN;  // a single block
@@ -1156,7 +1156,7 @@ BOOST_AUTO_TEST_CASE(companions_show_one_criterion_of_a_curve) {
     // the nearest style above the script, not the one above that
     auto const deep = directory / "deep" / "deeper" / "test";
     std::filesystem::create_directories(deep);
-    std::ofstream(deep / "plot.gp").close();
+    std::ofstream(deep / "plot.gp") << "plot 0\n";
     Figure figure = made_figure({.quantity = "q", .theory = "value", .value = 5.0});
     figure.title = "a title";
     figure.directory = deep;
