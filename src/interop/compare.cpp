@@ -262,6 +262,19 @@ CodeOutput read_hdf5(std::filesystem::path const& file) {
     return output;
 }
 
+// What stands in tables and in JSON.
+void check_name(std::string const& file, std::string const& name) {
+    bool good = one_line(name) == name;
+    try {
+        static_cast<void>(Json(name).dump());
+    } catch (Json::exception const&) {
+        good = false;  // not UTF-8
+    }
+    if (!good)
+        throw InputError(fmt::format("{}: a column is called {}; allowed: a name of UTF-8 on one line", file,
+                                     Json(name).dump(-1, ' ', true, Json::error_handler_t::replace)));
+}
+
 }  // namespace
 
 CodeOutput read_output(std::filesystem::path const& file, std::size_t run) {
@@ -283,6 +296,8 @@ CodeOutput read_output(std::filesystem::path const& file, std::size_t run) {
                                                        : read_csv(text);
     }
     output.file = file.string();
+    for (auto const& [name, values] : output.series) check_name(output.file, name);
+    for (auto const& [name, estimate] : output.values) check_name(output.file, name);
     bool const samples = std::any_of(output.series.begin(), output.series.end(),
                                      [](auto const& series) { return !series.second.empty(); });
     if (output.values.empty() && output.curve.x.empty() && output.g.empty() && !samples)
@@ -538,6 +553,10 @@ Averages average(std::vector<CodeOutput> const& outputs, Reference const& refere
             kept.emplace_back(quantity, std::move(rest));
         }
         if (lag && squares) {
+            if (lag->size() != squares->size())
+                throw InputError(
+                    fmt::format("{}: lag has {} values, mean_square_displacement {}; allowed: as many",
+                                output.file, lag->size(), squares->size()));
             auto constants = diffusion_by_origin(*lag, *squares, first, reference.components);
             add("diffusion_constant", blocking(constants), output);
             kept.emplace_back("diffusion_constant", std::move(constants));
@@ -670,7 +689,7 @@ bool print(CodeReport const& report, Averages const& averages, Reference const& 
                                                    {"blocks", estimate.blocks}});
         output["not_measured"] = report.not_measured;
         output["notes"] = averages.notes;
-        fmt::print("{}\n", output.dump(1));
+        fmt::print("{}\n", output.dump(1, ' ', false, Json::error_handler_t::replace));
         return agrees;
     }
     fmt::print("{:<30} {:>12} {:>9} {:>12} {:>9} {:>9} {:>7}  {}\n", "quantity", "value", "error",

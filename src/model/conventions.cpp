@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "errors.hpp"
 #include "given.hpp"
@@ -28,6 +29,10 @@ double* member(DpdFluid& fluid, Key::Role role) {
         default:
             return nullptr;
     }
+}
+
+[[noreturn]] void refuse_overflow(std::string const& what) {
+    throw InputError(fmt::format("{}: is not finite there: a parameter is too large or too small", what));
 }
 
 }  // namespace
@@ -66,11 +71,16 @@ Assignments write_fluid(Code const& code, DpdFluid fluid) {
         else if (double const* const value = member(fluid, key.role))
             all.emplace_back(key.name, fmt::format("{}", *value));
     }
+    for (auto const& [key, text] : all)
+        if (text == "inf" || text == "nan") refuse_overflow(fmt::format("{}: {}", code.name, key));
     return all;
 }
 
 std::string scene_fragment(DpdFluid const& fluid, Mover mover) {
     bool const repels = fluid.a != 0.0;
+    double const sigma = noise(fluid), strength = fluid.a * fluid.rc;
+    if (!std::isfinite(sigma)) refuse_overflow("dpdref: sigma");
+    if (!std::isfinite(strength)) refuse_overflow("dpdref: soft.strength");
     // with no repulsion the middle scheme is the other one seen half a drift earlier
     bool const kicks = mover == Mover::middle && repels;
     bool const forces = mover == Mover::velocity_verlet, euler = mover == Mover::euler;
@@ -84,7 +94,7 @@ std::string scene_fragment(DpdFluid const& fluid, Mover mover) {
         fmt::format("stages = [{}]\n[particles]\nmass = {}\nkT = {}\n", stages, fluid.m, fluid.kT);
     if (forces || euler)
         text += fmt::format("[{}]\ngamma = {}\nsigma = {}\n", forces ? "modified_verlet" : "euler",
-                            fluid.gamma, noise(fluid));
+                            fluid.gamma, sigma);
     else
         text += fmt::format("[shardlow]\nfriction = {}\nkT = {}\nscheme = \"{}\"\n", fluid.gamma, fluid.kT,
                             mover == Mover::s1 ? "shardlow" : "exponential");
@@ -94,7 +104,7 @@ std::string scene_fragment(DpdFluid const& fluid, Mover mover) {
                             forces  ? "modified_verlet"
                             : kicks ? "half_kick"
                                     : "verlet",
-                            fluid.a * fluid.rc, fluid.rc);
+                            strength, fluid.rc);
     if (fluid.dt) text += fmt::format("[time]\nstep = {}\n", *fluid.dt);
     return text;
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "files.hpp"
+#include "size.hpp"
 #include "theory/closed_forms.hpp"
 #include "toml_reader.hpp"
 #include "version.hpp"
@@ -17,9 +18,16 @@ namespace dpd {
 
 namespace {
 
+// Each has a stream of noise of its own.
+constexpr std::size_t most_stages = 250;
+
 constexpr Allowed bin_count{[](double x) { return x >= 1.0 && x <= 1e6; }, "an integer, 1 to 10^6"};
 
-std::uint64_t steps_of(double time, double step) {
+// The time `key` of a table in steps.
+std::uint64_t steps_of(TomlReader const& table, std::string const& key, double time, double step) {
+    constexpr double most = 1e14;
+    if (!(time / step <= most))
+        table.fail(key, fmt::format("is {:.3g} steps; allowed: at most 10^14", time / step));
     return static_cast<std::uint64_t>(std::llround(time / step));
 }
 
@@ -54,6 +62,8 @@ void read_box(Scene& scene, TomlReader reader) {
     if (scene.length.size() != static_cast<std::size_t>(scene.dimension))
         reader.fail("length", fmt::format("has {} sides; allowed: {}, one per dimension", scene.length.size(),
                                           scene.dimension));
+    if (!std::isfinite(scene.volume()))
+        reader.fail("length", "gives a volume that is no number; allowed: smaller sides");
     scene.shear_rate = reader.number("shear_rate", 0.0, any_number);
     reader.finish();
 }
@@ -77,7 +87,7 @@ void read_particles(Scene& scene, TomlReader reader) {
     double const count = reader.has("number")
                              ? double(reader.integer("number", std::nullopt, positive_integer))
                              : reader.number("density", std::nullopt, positive) * scene.fluid_volume();
-    if (!(std::round(count) >= 2.0 && count < 1e9))
+    if (!(std::round(count) >= 2.0 && count <= 1e9))
         reader.fail(reader.has("number") ? "number" : "density",
                     fmt::format("gives {:.0f} particles; allowed: 2 to 10^9", count));
     scene.particles = static_cast<std::uint64_t>(std::llround(count));
@@ -93,10 +103,11 @@ void read_time(Scene& scene, TomlReader reader) {
     scene.time_step = reader.number("step", std::nullopt, positive);
     double const duration = reader.number("duration", std::nullopt, positive);
     double const equilibration = reader.number("equilibration", 0.0, non_negative);
-    if ((duration + equilibration) / scene.time_step > 1e14)
-        reader.fail("duration", "is more than 10^14 steps");
-    scene.production_steps = std::max<std::uint64_t>(1, steps_of(duration, scene.time_step));
-    scene.equilibration_steps = steps_of(equilibration, scene.time_step);
+    scene.production_steps = steps_of(reader, "duration", duration, scene.time_step);
+    scene.equilibration_steps = steps_of(reader, "equilibration", equilibration, scene.time_step);
+    if (scene.production_steps == 0)
+        reader.fail("duration", fmt::format("{:g} is below one step; allowed: at least time.step, {:g}",
+                                            duration, scene.time_step));
     scene.checkpoint_seconds = reader.number("checkpoint", 30.0, positive);
     reader.finish();
 }
@@ -152,10 +163,12 @@ CorrelationParameters read_correlation(Scene const& scene, TomlReader reader) {
     double const origins = reader.number("origins", spacing, positive);
     reader.finish();
     CorrelationParameters p;
-    p.spacing = std::max<std::uint64_t>(1, steps_of(spacing, time_step));
-    p.lags = std::max<std::uint64_t>(1, steps_of(longest, time_step * double(p.spacing)));
-    p.origin_spacing =
-        p.spacing * std::max<std::uint64_t>(1, steps_of(origins, time_step * double(p.spacing)));
+    p.spacing = std::max<std::uint64_t>(1, steps_of(reader, "spacing", spacing, time_step));
+    if (p.spacing >= scene.production_steps)
+        reader.fail("spacing", fmt::format("{} does not fit into time.duration", spacing));
+    double const between = time_step * double(p.spacing);
+    p.lags = std::max<std::uint64_t>(1, steps_of(reader, "longest", longest, between));
+    p.origin_spacing = p.spacing * std::max<std::uint64_t>(1, steps_of(reader, "origins", origins, between));
     if (p.spacing * p.lags >= scene.production_steps)
         reader.fail("longest", fmt::format("{} does not fit into time.duration", longest));
     return p;
@@ -202,7 +215,8 @@ void read_sample(Scene& scene, TomlReader reader) {
     if (auto table = reader.table("green_kubo")) {
         double const window = table->number("window", std::nullopt, positive);
         table->finish();
-        sample.green_kubo_window = 2 * std::max<std::uint64_t>(1, steps_of(0.5 * window, scene.time_step));
+        sample.green_kubo_window =
+            2 * std::max<std::uint64_t>(1, steps_of(*table, "window", 0.5 * window, scene.time_step));
         if (!sample.asks("stress") || sample.interval != 1 || scene.flows() || scene.wall > 0.0)
             reader.fail("green_kubo",
                         "needs every step's stress of a fluid at rest; allowed: observables with \"stress\", "
@@ -329,6 +343,8 @@ void read_stage_list(Scene& scene, TomlReader& root) {
             kinds[std::size_t(std::find(known.begin(), known.end(), name) - known.begin())]);
     if (scene.stages.empty())
         root.fail("stages", fmt::format("is empty; allowed: {}", fmt::join(known, ", ")));
+    if (scene.stages.size() > most_stages)
+        root.fail("stages", fmt::format("are {}; allowed: 1 to {}", scene.stages.size(), most_stages));
 }
 
 Scene read_scene(toml::table const& table, std::string const& name) {
@@ -367,6 +383,7 @@ Scene read_scene(toml::table const& table, std::string const& name) {
         reader->finish();
     }
     root.finish();
+    check_size(scene, root);
     check_stages(scene, root);
     check_order(scene, root);
     if (scene.sample.mean_square_displacement || scene.sample.velocity_autocorrelation)

@@ -6,6 +6,8 @@ set -u
 dpdref=$(realpath "${1:?usage: cli_test.sh PATH_OF_DPDREF}")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+data=$(realpath "$(dirname "$0")/../data/damaged")
+answers=$(realpath "$(dirname "$0")/../../figures/answers/answers.json")
 cd "$work" || exit 99
 failures=0
 
@@ -347,6 +349,85 @@ TOML
     call "${tiny[@]}"
     [ "$code" -eq 1 ] || fail "figure: exit code $code for a comparison that disagrees, expected 1"
 fi
+
+# --- sizes, depths and lengths: by their key, before anything is taken -----------------------------------
+expect 2 "box.length" bytes -- run scene.toml --set 'box.length=[1e12,2]' --set 'particles={number=10}'
+expect 2 "box.length" bytes -- run scene.toml --set 'box.length=[2,1e12]' --set 'particles={number=10}'
+expect 2 "box.length" -- run scene.toml --set 'box.length=[1e200,1e200]' --set 'particles={number=10}'
+expect 2 "particles.number" bytes -- run scene.toml --set 'particles={number=999999999}'
+expect 2 "velocity_autocorrelation.longest" bytes -- run scene.toml --set time.duration=1e11 \
+    --set sample.velocity_autocorrelation.longest=1e10
+expect 2 "time.duration" "below one step" -- run scene.toml --set time.duration=0.01
+many=$(printf '"drift",%.0s' {1..260})
+expect 2 stages "1 to 250" -- run scene.toml --set "stages=[\"shardlow\",\"sample\",$many]"
+expect 2 "nested" -- run scene.toml --set "$(printf 'a.%.0s' {1..3000})a=1"
+{ printf 'a.%.0s' {1..100000}; echo 'a = 1'; } >deep.toml
+expect 2 "nested" -- run deep.toml
+
+# --- outputs that take nothing, inputs that are no files -------------------------------------------------
+for arguments in "run scene.toml" "run scene.toml --json" "theory" "convert"; do
+    # shellcheck disable=SC2086
+    "$dpdref" $arguments >/dev/full 2>err
+    [ $? -eq 2 ] && [ "$(wc -l <err)" -eq 1 ] || fail "$arguments > /dev/full: $(cat err)"
+    # shellcheck disable=SC2086
+    "$dpdref" $arguments >&- 2>err
+    [ $? -eq 2 ] && [ "$(wc -l <err)" -eq 1 ] || fail "$arguments >&-: $(cat err)"
+done
+expect 2 "a file or a pipe" -- run /dev/zero
+expect 2 "regular" -- run scene.toml --out /dev/null
+"$dpdref" run <(cat scene.toml) --json >out 2>err || fail "run of a pipe: $(cat err)"
+
+# --- signals: a hangup makes a checkpoint, a pipe without end is left within seconds -----------------------
+"$dpdref" run scene.toml --set time.duration=1e6 --out hup.h5 >/dev/null 2>err &
+sleep 1
+kill -HUP $! && wait $!
+[ $? -eq 130 ] && grep -q "interrupted at step" err && [ -s hup.h5 ] || fail "SIGHUP: $(cat err)"
+mkfifo pipe
+"$dpdref" run pipe >/dev/null 2>err &
+reader=$!
+sleep 60 >pipe &
+writer=$!
+sleep 1
+kill -TERM $reader
+SECONDS=0
+wait $reader
+[ $? -eq 130 ] && [ "$(wc -l <err)" -eq 1 ] || fail "SIGTERM while a pipe is read: $(cat err)"
+[ "$SECONDS" -lt 30 ] || fail "SIGTERM while a pipe is read: took $SECONDS s"
+kill $writer
+
+# --- files that are not what they were, or another's ----------------------------------------------------
+for name in lag_empty obs_nl result_rank16; do gunzip -c "$data/$name.h5.gz" >$name.h5; done
+expect 2 "lag has 200 values" -- compare lag_empty.h5 --answer s1-0.02 --answers "$answers"
+expect 2 "not all are numbers" -- compare obs_nl.h5 --answer s1-0.02 --answers "$answers"
+for format in "" --json; do
+    # shellcheck disable=SC2086
+    expect 2 "UTF-8" -- compare "$data/json_bad_utf8.log" --answer s1-0.02 --answers "$answers" $format
+done
+printf 'quantity,value,error\nkinetic_temperature,1.0,0.05\n' >values.csv
+expect 2 "density_profile/sum: is no table" -- compare values.csv --reference result_rank16.h5
+with_trajectory=(run scene.toml --set trajectory.interval=10 --json)
+expect 0 -- "${with_trajectory[@]}" --out t.h5
+numbers out >whole.json
+cp scene.toml other.h5md
+expect 2 other.h5md "not the trajectory" -- "${with_trajectory[@]}" --out other.h5
+cmp -s scene.toml other.h5md || fail "a file that is no trajectory of the run was changed"
+rm t.h5md
+"$dpdref" "${with_trajectory[@]}" --out t.h5 >out 2>err || fail "a trajectory that is gone: $(cat err)"
+grep -q "warning: t.h5md: is gone" err || fail "a trajectory that is gone is not said: $(cat err)"
+printf 'x' | dd of=t.h5 bs=1 seek=1000 conv=notrunc status=none
+"$dpdref" "${with_trajectory[@]}" --out t.h5 >out 2>err || fail "a damaged result: $(cat err)"
+grep -q "damaged" err && [ "$(wc -l <err)" -eq 1 ] || fail "a damaged result is not said: $(cat err)"
+numbers out | cmp -s - whole.json || fail "a damaged result: other numbers"
+check "a damaged result was not kept" test -s t.h5.damaged -a -s t.h5md
+
+# --- two processes on one file: one waits, both have the numbers ------------------------------------------
+for k in 1 2; do
+    "$dpdref" run scene.toml --set time.duration=100 --out shared.h5 --json >out$k 2>err$k || fail "two processes: $(cat err$k)" &
+done
+wait %1 %2 2>/dev/null; wait
+numbers out1 >both.json
+numbers out2 | cmp -s - both.json || fail "two processes on one file: other numbers"
+[ "$(cat err1 err2 | wc -l)" -le 1 ] || fail "two processes on one file: $(cat err1 err2)"
 
 [ "$failures" -eq 0 ] && echo "all checks passed"
 exit $((failures > 0))
