@@ -41,8 +41,11 @@ void create_element(H5::H5File& h5, std::string const& name, H5::DataType const&
 void create_empty(std::filesystem::path const& path, TrajectoryOf const& what) {
     H5::FileCreatPropList properties;
     H5Pset_file_space_strategy(properties.getId(), H5F_FSPACE_STRATEGY_NONE, false, 1);
+    H5::FileAccPropList access;
+    // values are written by `write`, which says so if they cannot be, and not by closing
+    access.setSieveBufSize(0);
     // not closed after an error, when the library would fail again
-    auto* const file = new H5::H5File(path.string(), H5F_ACC_TRUNC, properties);
+    auto* const file = new H5::H5File(path.string(), H5F_ACC_TRUNC, properties, access);
     H5::H5File& h5 = *file;
     hsize_t const particles = what.particles, dimension = what.box_length.size();
     write_h5md_metadata(h5);

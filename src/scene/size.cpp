@@ -78,8 +78,11 @@ void check_size(Scene const& scene, TomlReader& root) {
         double const count = cells(scene, width);
         bool const mapped = scene.coarse_graining && !scene.coarse_graining->length.empty();
         auto const box = root.required_table(mapped ? "coarse_graining" : "box");
-        check(box, "length", fmt::format("{:.3g} cells of the pair search", count),
-              count > most_cells ? INFINITY : bytes_per_cell * count);
+        if (count > most_cells)
+            box.fail("length", fmt::format("gives {:.3g} cells of the pair search, which need {:.3g} bytes; "
+                                           "allowed: at most {:g} cells",
+                                           count, bytes_per_cell * count, most_cells));
+        check(box, "length", fmt::format("{:.3g} cells of the pair search", count), bytes_per_cell * count);
     }
     if (auto const* const rescale = scene.stage<Rescale>(); rescale && rescale->mode != Rescaling::global)
         check(root.required_table("rescale"), "cell",

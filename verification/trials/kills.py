@@ -46,7 +46,7 @@ def main():
     arguments = harness.options(__doc__, 100).parse_args()
     program = harness.Program(arguments.dpdref)
     random.seed(arguments.seed)
-    kills = writing = runs = survived = unreadable = 0
+    kills = writing = runs = survived = read = unreadable = 0
     file = program.directory / "a.h5md"
     while kills < arguments.cases:
         for _ in range(random.randint(1, 3)):
@@ -54,6 +54,7 @@ def main():
             kills += killed
             writing += in_write
             if killed and h5py and file.exists():
+                read += 1
                 try:
                     good = begins_like_the_reference(program, file)
                 except (OSError, KeyError):
@@ -68,10 +69,10 @@ def main():
             program.fail(f"after kill {kills} and the end of the run there is {left}")
         program.remove("a")
     print(f"{kills} kills of {runs} runs, {writing} of them while a file was written; {survived} resumed to the bytes of the "
-          f"reference; {unreadable} trajectories were unreadable in between; {len(program.failures)} failures")
+          f"reference; {unreadable} of {read} trajectories were unreadable in between; {len(program.failures)} failures")
     if arguments.record:
         harness.record(arguments.record, "kills", {"kills": kills, "writing": writing, "runs": runs, "survived": survived,
-                                                   "unreadable": unreadable})
+                                                   "read": read, "unreadable": unreadable})
     return 1 if program.failures else 0
 
 
