@@ -71,6 +71,7 @@ RULES = [
     (r"(python3 verification/tools/race\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
     (r"(python3 verification/tools/cost\.py \S+)", r"\1 --only free --repetitions 1", f"{LONG}; its cheapest scenes"),
     (r"(python3 verification/lammps/prove\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
+    (r"(python3 verification/trials/\w+\.py \S+) .*", r"\1 --cases 1", f"{LONG}; a single case (other tests try more)"),
     (r"(ctest --preset \w+)", r"\1 -N | grep 'Total Tests: [1-9]'", f"{LONG}; lists the tests"),
     (r"(ctest -R \S+)", r"\1 -N --test-dir build/release | grep 'Total Tests: [1-9]'",
      "that test runs beside this one; it must exist"),
