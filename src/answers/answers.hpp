@@ -18,15 +18,15 @@ struct Code;
 
 /// A state point: an integrator, a fluid, a step.
 struct StatePoint {
-    std::string id, title, integrator;
+    std::string id, title, integrator;  ///< of the state point; the integrator by name
     std::vector<std::pair<std::string, std::string>> closed_forms;  ///< quantity, id of `dpdref theory`
 };
 
 /// State points, and the runs behind them as curves of a figure: ID (at rest), ID/shear, ID/below and
 /// ID/above (in density, of interacting fluids), ID/g (its radial distribution function).
 struct Answers {
-    std::vector<StatePoint> states;
-    Figure figure;
+    std::vector<StatePoint> states;  ///< in the order of the file
+    Figure figure;                   ///< the runs, one curve per state and kind of run
 };
 
 /// Reads the state points of a budget ("quick" or "paper"). InputError as for scenes.

@@ -11,7 +11,8 @@
 
 namespace dpd {
 
-inline constexpr std::array<std::string_view, 2> budget_names{"quick", "paper"};
+inline constexpr std::array<std::string_view, 2> budget_names{
+    "quick", "paper"};  ///< for a look, and at the papers' fidelity
 
 /// What `read(table)` makes of the table of that budget. Both tables are read, so that a mistake in either is
 /// found whichever is asked for; `read` leaves `finish` to this function.

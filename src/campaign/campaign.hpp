@@ -18,7 +18,7 @@ namespace dpd {
 /// One of `count` parts of a campaign that different machines do.
 struct Shard {
     std::size_t number = 1;  ///< from 1
-    std::size_t count = 1;
+    std::size_t count = 1;   ///< number of shards
 };
 
 /// "k/n", 1 <= k <= n. InputError for anything else.
@@ -42,8 +42,8 @@ using Report = std::function<void(double fraction)>;
 
 /// One piece of work. It returns whether the cache held the result.
 struct Job {
-    double cost = 1.0;  ///< share of the whole, any unit
-    std::function<bool(Report const& report)> work;
+    double cost = 1.0;                               ///< share of the whole, any unit
+    std::function<bool(Report const& report)> work;  ///< false if it was stopped
 };
 
 /// Does the jobs in their order, `options.jobs` at a time; a shard's share is even if that is of their cost.
@@ -54,7 +54,7 @@ bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions co
 /// A piece of work with a result that several parts of a campaign may ask for, by the same key.
 template <class Result>
 struct Task {
-    std::string key;
+    std::string key;    ///< of its result in the cache
     double cost = 1.0;  ///< share of the whole, any unit
     /// Fills in the result; returns whether the cache held it.
     std::function<bool(Result& result, Report const& report)> work;

@@ -46,33 +46,33 @@ struct Criterion {
     std::string
         quantity;  ///< as `analyze` names it; or "exponent:NAME", d ln NAME/d ln x from the point before
     std::string theory;  ///< id of a closed form; "curve:NAME"; "quantity:NAME"; or "value" with `value`
-    double value = 0.0;
-    Relation relation = Relation::equal;
-    double tolerance = 0.0;    ///< 0: exact; else how far the theory may be off, relative
-    double resolution = 0.01;  ///< relative standard error that an exact agreement needs
-    bool description = false;  ///< its tolerance was set after looking at the data
+    double value = 0.0;  ///< the reference, for the theory "value"
+    Relation relation = Relation::equal;  ///< that must hold
+    double tolerance = 0.0;               ///< 0: exact; else how far the theory may be off, relative
+    double resolution = 0.01;             ///< relative standard error that an exact agreement needs
+    bool description = false;             ///< its tolerance was set after looking at the data
 };
 
 /// One measured point against one criterion.
 struct Comparison {
-    std::string figure, curve, parameter;
-    double x = 0.0;  ///< value of the varied parameter
-    Criterion criterion{};
-    Estimate estimate{};
-    double theory = 0.0;
-    double theory_error = 0.0;  ///< of a "curve:NAME" reference
-    std::uint64_t runs = 0;
-    double seconds = 0.0;  ///< run time of all runs behind the point
+    std::string figure, curve, parameter;  ///< where it stands; the parameter along x
+    double x = 0.0;                        ///< value of the varied parameter
+    Criterion criterion{};                 ///< what was asked
+    Estimate estimate{};                   ///< the value, its error and blocks
+    double theory = 0.0;                   ///< the reference value
+    double theory_error = 0.0;             ///< of a "curve:NAME" reference
+    std::uint64_t runs = 0;                ///< behind the point
+    double seconds = 0.0;                  ///< run time of all runs behind the point
 };
 
 /// A figure's points: scenes to run and criteria to judge.
 struct Point {
-    std::size_t curve = 0;
-    double x = 0.0;
-    std::vector<Scene> runs;  ///< one per seed
-    std::vector<Quantity> quantities;
-    Eigen::ArrayXXd configuration;  ///< positions of the first run, where the scene keeps them
-    double seconds = 0.0;
+    std::size_t curve = 0;             ///< index among the figure's curves
+    double x = 0.0;                    ///< of the varied parameter, or of the record
+    std::vector<Scene> runs;           ///< one per seed
+    std::vector<Quantity> quantities;  ///< all that was measured or derived
+    Eigen::ArrayXXd configuration;     ///< positions of the first run, where the scene keeps them
+    double seconds = 0.0;              ///< run time of its runs
 };
 
 struct FigureCurve {
@@ -97,12 +97,12 @@ struct Convergence {
         double deviation = 0.0;  ///< root mean square over the points of the deviation
         std::size_t points = 0;  ///< whose error is known
     };
-    std::size_t curve = 0;
-    Criterion criterion{};
-    std::vector<State> states;  ///< in the order of time; the last one is of the whole runs
-    double floor = 0.0;         ///< what is left of the deviation, in squares, without the error
-    double floor_error = 0.0;   ///< standard error of `floor`
-    bool floor_resolved = false;
+    std::size_t curve = 0;        ///< index among the figure's curves
+    Criterion criterion{};        ///< what was asked
+    std::vector<State> states;    ///< in the order of time; the last one is of the whole runs
+    double floor = 0.0;           ///< what is left of the deviation, in squares, without the error
+    double floor_error = 0.0;     ///< standard error of `floor`
+    bool floor_resolved = false;  ///< whether chance alone would not make it
 };
 
 struct Figure {

@@ -16,11 +16,12 @@ namespace dpd {
 
 /// What a code wrote: numbers with errors, or series of samples in the order of time, or g(r).
 struct CodeOutput {
-    std::string file;
-    std::vector<Quantity> values;
-    std::string axis;        ///< name of the column of times or steps; empty without one
-    std::vector<double> at;  ///< times or steps of the samples
-    std::vector<std::pair<std::string, std::vector<double>>> series;
+    std::string file;              ///< as given
+    std::vector<Quantity> values;  ///< numbers with errors, where the file has such
+    std::string axis;              ///< name of the column of times or steps; empty without one
+    std::vector<double> at;        ///< times or steps of the samples
+    std::vector<std::pair<std::string, std::vector<double>>>
+        series;                          ///< columns by name, in the order of time
     std::vector<double> r;               ///< middle of the bins of g(r)
     std::vector<std::vector<double>> g;  ///< samples of each bin
     CurveEstimate curve{};               ///< or g(r) with errors
@@ -34,8 +35,8 @@ CodeOutput read_output(std::filesystem::path const& file, std::size_t run = 0);
 
 /// COLUMN=quantity[*factor]: `factor` times the column is the quantity.
 struct Renaming {
-    std::string column, quantity;
-    double factor = 1.0;
+    std::string column, quantity;  ///< a column of the output and the quantity that it is
+    double factor = 1.0;           ///< from the output's unit to the quantity's
 };
 
 /// InputError for anything else.
@@ -52,11 +53,11 @@ Discard discard_from_text(std::string const& text);
 
 /// Numbers to compare with.
 struct Reference {
-    std::string name;
-    std::vector<Quantity> quantities;
-    CurveEstimate radial_distribution{};
-    double shear_rate = 0.0;  ///< of the flow behind the viscosities, 1/time; 0 without
-    int components = 3;       ///< axes that a mean-square displacement sums
+    std::string name;                     ///< of the reference
+    std::vector<Quantity> quantities;     ///< with their errors
+    CurveEstimate radial_distribution{};  ///< g(r); empty if there is none
+    double shear_rate = 0.0;              ///< of the flow behind the viscosities, 1/time; 0 without
+    int components = 3;                   ///< axes that a mean-square displacement sums
 };
 
 /// A state point of a file of reference answers (schema dpdref-answers/1).
@@ -67,9 +68,9 @@ Reference run_reference(std::filesystem::path const& file);
 
 /// The averages of outputs, by dpdref's names where these are known.
 struct Averages {
-    std::vector<Quantity> quantities;
-    CurveEstimate radial_distribution{};
-    std::vector<std::string> notes;
+    std::vector<Quantity> quantities;     ///< with their errors
+    CurveEstimate radial_distribution{};  ///< g(r); empty if there is none
+    std::vector<std::string> notes;       ///< for the reader, a line each
 };
 
 /// Names the columns (as they are called; LAMMPS' names; `renamings`), discards, and averages: errors by
@@ -81,19 +82,19 @@ Averages average(std::vector<CodeOutput> const& outputs, Reference const& refere
 
 /// A quantity of both.
 struct CodeComparison {
-    std::string quantity;
-    Estimate value, reference;
-    Estimate difference{};  ///< with the combined error
-    Verdict verdict = Verdict::undecided;
+    std::string quantity;                  ///< that both have
+    Estimate value, reference;             ///< of the output, and of the reference
+    Estimate difference{};                 ///< with the combined error
+    Verdict verdict = Verdict::undecided;  ///< at the false-alarm rate of the whole table
     double z() const { return difference.value / difference.error; }
 };
 
 /// A family of comparisons; `family_false_alarm` is the chance that any of it disagrees although all are
 /// true.
 struct CodeReport {
-    std::vector<CodeComparison> comparisons;
-    std::vector<Quantity> without_reference;
-    std::vector<std::string> not_measured;  ///< the reference's other quantities
+    std::vector<CodeComparison> comparisons;  ///< one per quantity and bin
+    std::vector<Quantity> without_reference;  ///< measured by the code alone
+    std::vector<std::string> not_measured;    ///< the reference's other quantities
 };
 
 /// Compares all that both have, by Student's t with Welch's degrees of freedom and Bonferroni's share of the

@@ -21,8 +21,8 @@ inline constexpr Eigen::Index curve_blocks = 8;
 
 /// A time correlation: how far apart its points are, how many there are, how often it starts anew. Steps.
 struct CorrelationParameters {
-    std::uint64_t spacing = 1;
-    std::uint64_t lags = 50;
+    std::uint64_t spacing = 1;         ///< between lags, steps
+    std::uint64_t lags = 50;           ///< how many
     std::uint64_t origin_spacing = 1;  ///< a multiple of `spacing`
 };
 
@@ -40,8 +40,8 @@ struct RadialDistributionParameters {
 
 /// Bonds between particles closer than `range`: the order parameters of crystals.
 struct BondOrderParameters {
-    std::uint64_t interval = 100;
-    double range = 1.0;
+    std::uint64_t interval = 100;  ///< between samples, steps
+    double range = 1.0;            ///< longest bond, length
 };
 
 struct SampleParameters {
@@ -63,7 +63,7 @@ struct SampleParameters {
 
 /// A function sampled in bins, kept in blocks of time for its error: mean = sum/weight.
 struct Curve {
-    std::vector<double> x;
+    std::vector<double> x;   ///< of the points
     Eigen::ArrayXXd sum;     ///< bins x blocks
     Eigen::ArrayXXd weight;  ///< bins x blocks
 
@@ -74,8 +74,8 @@ struct Curve {
 
 /// What was measured so far: scalars by name, one value per sample, and curves by name.
 struct Record {
-    std::map<std::string, std::vector<double>, std::less<>> series;
-    std::map<std::string, Curve> curves;
+    std::map<std::string, std::vector<double>, std::less<>> series;  ///< one value per sample
+    std::map<std::string, Curve> curves;                             ///< by name
     Eigen::ArrayXXd configuration;  ///< positions by id, in the box; empty unless asked for
     void archive(Archive& archive);
 };
@@ -86,8 +86,8 @@ struct Record {
 /// Lechner, C. Dellago, J. Chem. Phys. 129 (2008) 114707), which does not care how crystallites are turned.
 /// `frozen` particles count as neighbours only.
 struct BondOrder {
-    double global = 0.0;
-    double local = 0.0;
+    double global = 0.0;  ///< of all bonds together
+    double local = 0.0;   ///< averaged over particles
 };
 BondOrder bond_order(Particles<3> const& particles, PairList<3> const& pairs, int l);
 

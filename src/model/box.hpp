@@ -15,8 +15,8 @@ namespace dpd {
 /// `offset(time)` along x and moves at `image_speed()` relative to the primary box.
 template <int d>
 struct Box {
-    Vec<d> length = Vec<d>::Ones();
-    double shear_rate = 0.0;
+    Vec<d> length = Vec<d>::Ones();  ///< sides
+    double shear_rate = 0.0;         ///< du_x/dy, 1/time
     double wall = 0.0;  ///< thickness of the wall at either y boundary; the fluid is between them
 
     double volume() const { return length.prod(); }

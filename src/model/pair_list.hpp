@@ -15,18 +15,18 @@ namespace dpd {
 /// upper Lees-Edwards boundary.
 template <int d>
 struct Pair {
-    std::uint32_t i, j;
-    Eigen::Array<double, 1, d> e;
-    double r;
-    bool crossing;
+    std::uint32_t i, j;            ///< rows of the particle state
+    Eigen::Array<double, 1, d> e;  ///< unit vector from j to i
+    double r;                      ///< distance
+    bool crossing;                 ///< across the sheared boundary
 };
 
 /// Pairs closer than the cutoff, each once. The pairs `crossing` go across the upper Lees-Edwards boundary:
 /// their j stands for an image that moves at +image_speed along x. Arrays may be longer than `count`.
 template <int d>
 struct PairList {
-    double cutoff = 1.0;  ///< length
-    std::size_t count = 0;
+    double cutoff = 1.0;                      ///< length
+    std::size_t count = 0;                    ///< of pairs
     std::vector<std::uint32_t> crossing;      ///< which ones, ascending; empty without shear
     std::size_t coincident = 0;               ///< pairs at r = 0: no direction, so no interaction
     std::vector<std::uint32_t> i, j;          ///< rows of the particle state

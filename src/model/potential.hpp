@@ -14,7 +14,7 @@ namespace dpd {
 // [soft]
 struct Soft {
     double strength = 0.0;  ///< energy
-    double cutoff = 1.0;
+    double cutoff = 1.0;    ///< range, length
     double energy(double r) const {
         double const x = 1.0 - r / cutoff;
         return 0.5 * strength * x * x;
@@ -28,10 +28,10 @@ struct Soft {
 /// With `shifted` U is zero at the cutoff, which changes energies alone.
 // [lennard jones]
 struct LennardJones {
-    double epsilon = 1.0;
-    double sigma = 1.0;
-    double cutoff = 2.5;
-    bool shifted = false;
+    double epsilon = 1.0;  ///< depth, energy
+    double sigma = 1.0;    ///< where it is zero, length
+    double cutoff = 2.5;   ///< where the force is truncated, length
+    bool shifted = false;  ///< whether the energy is zero at the cutoff
     double energy(double r) const { return plain_energy(r) - (shifted ? plain_energy(cutoff) : 0.0); }
     double force(double r) const {
         double const s6 = sixth_power(r);

@@ -20,8 +20,8 @@ enum class Scheme {
 
 /// What a scheme is called, and its A for a >= 0.
 struct SchemeFormula {
-    std::string_view name;
-    double (*update_a)(double a);
+    std::string_view name;         ///< as a scene has it
+    double (*update_a)(double a);  ///< A of a pair update, from a = w dt/m
 };
 
 // [update a]

@@ -39,21 +39,21 @@ enum class Walls { unknown, known };
 
 /// What others must know of a kind of stage.
 struct StageKind {
-    std::string_view name;  ///< in a scene's list of stages, and of the table that holds its parameters
-    char const* least;      ///< what that table must hold, in words; none: it has no parameters
-    Moves moves;
-    Impulses impulses;
-    Walls walls;
+    std::string_view name;    ///< in a scene's list of stages, and of the table that holds its parameters
+    char const* least;        ///< what that table must hold, in words; none: it has no parameters
+    Moves moves;              ///< how far it moves particles
+    Impulses impulses;        ///< what pairs are left with
+    Walls walls;              ///< whether it knows frozen particles
     std::string_view lammps;  ///< what LAMMPS calls it; empty: LAMMPS has nothing like it
 };
 
 /// What of a scene the parameters of its stages may depend on.
 struct StageSetting {
-    std::vector<double> length;  ///< sides of the box
-    double volume = 1.0;
-    double particles = 0.0;  ///< of the fluid
-    double mass = 1.0;
-    double time_step = 0.0;
+    std::vector<double> length;   ///< sides of the box
+    double volume = 1.0;          ///< of the fluid
+    double particles = 0.0;       ///< of the fluid
+    double mass = 1.0;            ///< of a particle
+    double time_step = 0.0;       ///< time
     bool coarse_grained = false;  ///< the strength of the soft repulsion follows, @eq{PK2006,3}
     bool force_mapped = false;    ///< and so does the acceleration of the body force
 };
@@ -99,11 +99,11 @@ struct Sample : WithoutParameters {
 struct Shardlow {
     static constexpr StageKind kind{"shardlow",     "at least friction", Moves::none,
                                     Impulses::left, Walls::unknown,      "fix shardlow"};
-    double friction = 1.0;  ///< gamma: the friction is gamma*weight(r/cutoff), mass per time
-    Weight weight = Weight::linear;
-    Scheme scheme = Scheme::shardlow;
-    double cutoff = 1.0;
-    double kT = 1.0;
+    double friction = 1.0;             ///< gamma: the friction is gamma*weight(r/cutoff), mass per time
+    Weight weight = Weight::linear;    ///< of the friction
+    Scheme scheme = Scheme::shardlow;  ///< that gives A
+    double cutoff = 1.0;               ///< range, length
+    double kT = 1.0;                   ///< energy
 
     void read(TomlReader& table, StageSetting const& setting) {
         friction = table.number("friction", std::nullopt, non_negative);
@@ -134,8 +134,8 @@ struct Lowe {
     static constexpr StageKind kind{"lowe", "at least rate", Moves::none, Impulses::left, Walls::unknown, ""};
     static constexpr double most_sweeps = 100.0;  ///< over the pairs in one step
     double rate = 1.0;                            ///< Gamma: updates of a pair per time
-    double cutoff = 1.0;
-    double kT = 1.0;
+    double cutoff = 1.0;                          ///< range, length
+    double kT = 1.0;                              ///< energy
 
     void read(TomlReader& table, StageSetting const& setting) {
         rate = table.number("rate", std::nullopt, non_negative);
@@ -169,7 +169,7 @@ struct EulerImpulses {
     Weight weight = Weight::linear;            ///< w_D
     std::optional<Weight> random_weight = {};  ///< w_R; none: w_R^2 = w_D, so that noise balances friction as
                                                ///< dt -> 0
-    double cutoff = 1.0;
+    double cutoff = 1.0;                       ///< range, length
 
     void read(TomlReader& table, StageSetting const&) {
         gamma = table.number("gamma", std::nullopt, non_negative);
@@ -207,7 +207,7 @@ inline void set_potential_arguments(TheoryArguments& arguments, AnyPotential con
 /// before it, all forces of MY1997 eq. 2 from the state at the start of the step. @eq{MY1997,2}
 struct ForceImpulses {
     static constexpr StageKind kind{"force", "a potential", Moves::none, Impulses::none, Walls::unknown, ""};
-    AnyPotential potential = {};
+    AnyPotential potential = {};  ///< whose force it takes
 
     void read(TomlReader& table, StageSetting const& setting) {
         potential = read_potential(table, setting.coarse_grained);
@@ -225,7 +225,7 @@ struct ForceImpulses {
 struct HalfKick {
     static constexpr StageKind kind{"half_kick",    "a potential",  Moves::none,
                                     Impulses::none, Walls::unknown, ""};
-    AnyPotential potential = {};
+    AnyPotential potential = {};  ///< whose force it takes
 
     void read(TomlReader& table, StageSetting const& setting) {
         potential = read_potential(table, setting.coarse_grained);
@@ -242,8 +242,8 @@ struct HalfKick {
 struct Verlet {
     static constexpr StageKind kind{"verlet",       "at least a potential", Moves::whole,
                                     Impulses::none, Walls::unknown,         "fix nve"};
-    AnyPotential potential = {};
-    std::uint64_t substeps = 1;
+    AnyPotential potential = {};  ///< whose force it takes
+    std::uint64_t substeps = 1;   ///< inner steps of the force in a step
 
     void read(TomlReader& table, StageSetting const& setting) {
         substeps = table.integer("substeps", 1, positive_integer);
@@ -264,13 +264,13 @@ struct ModifiedVerlet {
     static constexpr StageKind kind{"modified_verlet", "at least gamma, sigma and a potential",
                                     Moves::whole,      Impulses::none,
                                     Walls::known,      "pair dpd, fix nve"};
-    AnyPotential potential = {};
+    AnyPotential potential = {};        ///< whose force it takes
     double gamma = 4.5;                 ///< strength of the friction, mass per time
     double sigma = 3.0;                 ///< strength of the noise, momentum per time^(1/2)
     Weight weight = Weight::quadratic;  ///< omega_D; omega_R is its root
     double cutoff = 1.0;                ///< of friction and noise
-    double lambda = 0.5;
-    bool friction_again = false;
+    double lambda = 0.5;                ///< share of the step for which velocities are predicted
+    bool friction_again = false;        ///< friction found once more from the final velocities: DPD-VV
 
     void read(TomlReader& table, StageSetting const& setting) {
         gamma = table.number("gamma", std::nullopt, non_negative);
@@ -320,11 +320,11 @@ constexpr std::string_view name_of(Rescaling mode) {
 /// distribution is stationary.
 struct Rescale {
     static constexpr StageKind kind{"rescale", "", Moves::none, Impulses::none, Walls::unknown, ""};
-    Rescaling mode = Rescaling::global;
-    double kT = 1.0;
-    double cell = 1.0;            ///< side of a cell; divides the sides of the box
-    std::uint64_t thickness = 1;  ///< of a layer, in cells
-    double amplitude = 0.3;       ///< c: factors of `monte_carlo` lie in [1/(1+c), 1+c]
+    Rescaling mode = Rescaling::global;  ///< cells that share a factor
+    double kT = 1.0;                     ///< energy
+    double cell = 1.0;                   ///< side of a cell; divides the sides of the box
+    std::uint64_t thickness = 1;         ///< of a layer, in cells
+    double amplitude = 0.3;              ///< c: factors of `monte_carlo` lie in [1/(1+c), 1+c]
 
     void read(TomlReader& table, StageSetting const& setting) {
         mode = table.choice<Rescaling>("mode", "global");
@@ -354,7 +354,7 @@ struct BodyForce {
     static constexpr StageKind kind{
         "body_force", "at least acceleration", Moves::none, Impulses::none, Walls::known, ""};
     double acceleration = 0.0;  ///< length per time^2
-    bool opposed = false;
+    bool opposed = false;       ///< its opposite in the upper half of the box
 
     void read(TomlReader& table, StageSetting const& setting) {
         if (setting.force_mapped && table.has("acceleration"))

@@ -14,14 +14,14 @@ namespace dpd {
 
 /// What a run did: the proof that a scene pays only for what it names.
 struct Counters {
-    std::uint64_t steps = 0;
-    std::uint64_t searches = 0;      ///< pair searches
-    std::uint64_t pairs_found = 0;   ///< pairs within the cutoff, over all searches
-    std::uint64_t pair_updates = 0;  ///< pairs visited by thermostats
-    std::uint64_t potential_evaluations = 0;
-    std::uint64_t random_draws = 0;      ///< variates drawn while stepping
-    std::uint64_t boundary_pairs = 0;    ///< pairs across a sheared boundary
-    std::uint64_t coincident_pairs = 0;  ///< pairs left out because r = 0
+    std::uint64_t steps = 0;                  ///< done
+    std::uint64_t searches = 0;               ///< pair searches
+    std::uint64_t pairs_found = 0;            ///< pairs within the cutoff, over all searches
+    std::uint64_t pair_updates = 0;           ///< pairs visited by thermostats
+    std::uint64_t potential_evaluations = 0;  ///< of pairs
+    std::uint64_t random_draws = 0;           ///< variates drawn while stepping
+    std::uint64_t boundary_pairs = 0;         ///< pairs across a sheared boundary
+    std::uint64_t coincident_pairs = 0;       ///< pairs left out because r = 0
 
     template <int d>
     void count_search(PairList<d> const& found) {
@@ -39,7 +39,7 @@ struct Counters {
 
 /// Sums over pairs of f e_x y_ij, by the kind of force; zero where no stress is wanted.
 struct PairVirials {
-    double potential = 0.0;
+    double potential = 0.0;   ///< part of conservative forces
     double thermostat = 0.0;  ///< friction and noise
     double friction = 0.0;    ///< friction alone
 };
@@ -47,13 +47,13 @@ struct PairVirials {
 /// Contributions to the stress sigma_xy that only the stage which makes them can see, averaged over its last
 /// step. Measured where wanted.
 struct StageStress {
-    bool wanted = false;
-    bool streamed = false;  ///< kinetic and potential part have been measured
-    double kinetic = 0.0;
-    double potential = 0.0;
+    bool wanted = false;     ///< whether a stress is sampled; else nothing is summed
+    bool streamed = false;   ///< kinetic and potential part have been measured
+    double kinetic = 0.0;    ///< part that particles carry
+    double potential = 0.0;  ///< part of conservative forces
     double collision = 0.0;  ///< of thermal forces that act while streaming
-    double rescaling = 0.0;
-    double friction = 0.0;  ///< collision stress without the noise of each pair's own update
+    double rescaling = 0.0;  ///< part that rescaling moves
+    double friction = 0.0;   ///< collision stress without the noise of each pair's own update
 
     /// What the pairs contribute whose forces kick half a step from the virials `before` it and half from
     /// those `after`.
@@ -66,7 +66,7 @@ struct StageStress {
 
 /// Sums over the pairs of a conservative force.
 struct PotentialSums {
-    double energy = 0.0;
+    double energy = 0.0;         ///< of all pairs
     double virial = 0.0;         ///< sum over pairs of f r
     double force_squared = 0.0;  ///< sum over particles of |F|^2
     double laplacian = 0.0;      ///< sum over particles of the divergence of -F
@@ -76,9 +76,9 @@ struct PotentialSums {
 /// the scene's: of mass, length and time.
 template <int d>
 struct State {
-    Particles<d> particles;
-    Box<d> box;
-    std::uint64_t seed = 0;
+    Particles<d> particles;      ///< positions and velocities
+    Box<d> box;                  ///< that holds them
+    std::uint64_t seed = 0;      ///< of all noise
     std::uint64_t step = 0;      ///< steps done
     double time_step = 0.0;      ///< time
     double time = 0.0;           ///< of the positions; the drift advances it
@@ -87,8 +87,8 @@ struct State {
     Field<d> momentum_change;    ///< Euler impulses waiting for the kick; empty where no stage needs it
     Field<d> force;              ///< forces that the streaming stage keeps; empty where there are none
     PairVirials pair_virials;    ///< that belong to `force`
-    StageStress stage_stress;
-    Counters counters;
+    StageStress stage_stress;    ///< what stages measured while they moved
+    Counters counters;           ///< of the work done
 
     /// The step in which `pair_list` was found; nothing if positions have changed since. With the state all
     /// that a checkpoint needs to have the pairs again.

@@ -20,8 +20,8 @@ enum class Weight {
 
 /// What a weight is called, and w(x) for x in [0, 1).
 struct WeightFormula {
-    std::string_view name;
-    double (*at)(double x);
+    std::string_view name;   ///< as a scene has it
+    double (*at)(double x);  ///< the weight at x = r/cutoff
 };
 
 // [weights]

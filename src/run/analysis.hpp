@@ -15,8 +15,8 @@ namespace dpd {
 
 /// One measured number.
 struct Quantity {
-    std::string name;
-    Estimate estimate;
+    std::string name;   ///< of the quantity
+    Estimate estimate;  ///< value, error, blocks
 };
 
 /// Takes a measured number where it is known.
@@ -27,8 +27,8 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
 
 /// A measured function: one estimate per bin.
 struct CurveEstimate {
-    std::vector<double> x;
-    std::vector<Estimate> y;
+    std::vector<double> x;    ///< of the points
+    std::vector<Estimate> y;  ///< at each x
 };
 
 /// The curve of that name; also "temperature_profile", and "channel_profile": the velocity across one

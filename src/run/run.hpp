@@ -19,13 +19,13 @@ namespace dpd {
 
 /// What a finished run leaves.
 struct RunResult {
-    Record record;
-    Counters counters;
-    std::uint64_t particles = 0;
+    Record record;                     ///< all that was sampled
+    Counters counters;                 ///< of the work done
+    std::uint64_t particles = 0;       ///< of the fluid
     double seconds = 0.0;              ///< wall clock of all its parts
     std::uint64_t bytes = 0;           ///< memory of state, pair list and search
     double kinetic_temperature = 0.0;  ///< at the end, energy; 0 if read from a file
-    bool from_cache = false;
+    bool from_cache = false;           ///< whether the file had it already
 };
 
 struct RunOptions {

@@ -14,15 +14,15 @@ namespace dpd {
 
 /// An integrator as keys of a scene.
 struct Integrator {
-    std::string name;
+    std::string name;                        ///< of the integrator
     std::string friction, noise, repulsion;  ///< the keys that take a fluid's numbers; empty: it has none
     double friction_scale = 1.0;             ///< on the fluid's friction
     double least_step = 0.0;  ///< of the study of work and precision: shorter ones are too dear
     /// Of the stability maps: the longest step tried, times the friction.
     double largest_friction_step = std::numeric_limits<double>::infinity();
-    bool other_dynamics = false;        ///< its transport coefficients are its own
-    std::vector<std::string> settings;  ///< further keys, "table.key=value"
-    std::vector<std::string> stages, sheared_stages;
+    bool other_dynamics = false;                      ///< its transport coefficients are its own
+    std::vector<std::string> settings;                ///< further keys, "table.key=value"
+    std::vector<std::string> stages, sheared_stages;  ///< of a step, at rest and in shear
 };
 
 /// The tables [[integrator]] of a file. InputError as for scenes.

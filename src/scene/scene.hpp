@@ -19,10 +19,10 @@ namespace dpd {
 /// The paper's own description of a DPD fluid, @eq{PK2006,1} to @eq{PK2006,4}: what is missing in the scene
 /// follows from it. Lengths and forces in the atoms' units.
 struct CoarseGrainingParameters {
-    double atoms_per_particle = 1.0;
-    std::vector<double> length;  ///< sides of the fluid, sigma; empty: box.length counts
-    double force = 0.0;          ///< on each atom, along x, m sigma/tau^2
-    double viscosity = 0.0;      ///< of the DPD fluid, its own units; with `force` only
+    double atoms_per_particle = 1.0;  ///< N_m of PK2006
+    std::vector<double> length;       ///< sides of the fluid, sigma; empty: box.length counts
+    double force = 0.0;               ///< on each atom, along x, m sigma/tau^2
+    double viscosity = 0.0;           ///< of the DPD fluid, its own units; with `force` only
 };
 
 /// Which of the two implementations of the stages runs a scene.

@@ -42,11 +42,11 @@ constexpr std::string_view name_of(Outcome outcome) {
 
 /// A scene run for some steps at one step.
 struct Trial {
-    double step = 0.0;  ///< time
-    Outcome outcome = Outcome::stable;
-    std::uint64_t steps = 0;      ///< done
-    Estimate kT{};                ///< kinetic temperature in the second half; none if diverged
-    std::vector<double> trace{};  ///< kinetic temperature after the steps that trace_steps names
+    double step = 0.0;                  ///< time
+    Outcome outcome = Outcome::stable;  ///< of the trial
+    std::uint64_t steps = 0;            ///< done
+    Estimate kT{};                      ///< kinetic temperature in the second half; none if diverged
+    std::vector<double> trace{};        ///< kinetic temperature after the steps that trace_steps names
 };
 
 /// Steps at which a trace of so many steps is kept: all the first, then ever fewer, evenly in the logarithm.
@@ -80,8 +80,8 @@ Trials bisect(StepRange const& range, std::function<Trial(double step)> const& t
 
 /// How long a trial takes: `time`, but at least `fewest` and at most `most` steps.
 struct TrialLength {
-    double time = 10.0;
-    std::uint64_t fewest = 1000, most = 10000;
+    double time = 10.0;                         ///< that a trial simulates
+    std::uint64_t fewest = 1000, most = 10000;  ///< steps of a trial
     std::uint64_t steps(double step) const;
 };
 
@@ -89,8 +89,8 @@ struct TrialLength {
 /// the friction matrix (theory/MY1997.md), and over the largest frequency of the Hessian. Time; infinity
 /// without.
 struct FrozenLimits {
-    double friction = std::numeric_limits<double>::infinity();
-    double repulsion = std::numeric_limits<double>::infinity();
+    double friction = std::numeric_limits<double>::infinity();   ///< largest step by the friction matrix
+    double repulsion = std::numeric_limits<double>::infinity();  ///< largest step by the Hessian
 };
 
 /// For a friction `friction` of that weight and the force `repulsion` (1 - r), both of range 1.
@@ -100,18 +100,18 @@ FrozenLimits frozen_limits(Particles<d> const& particles, Box<d> const& box, dou
 
 /// One point of a map: an integrator at one friction, repulsion and density.
 struct StabilityPoint {
-    std::string integrator;
-    double friction = 0.0, repulsion = 0.0, density = 0.0;
-    std::string scene;  ///< TOML; its time.step is replaced
-    std::string start;  ///< TOML of the scene whose end is the start of every trial
-    StepRange range;
-    TrialLength length;
+    std::string integrator;                                 ///< by name
+    double friction = 0.0, repulsion = 0.0, density = 0.0;  ///< of the fluid
+    std::string scene;                                      ///< TOML; its time.step is replaced
+    std::string start;               ///< TOML of the scene whose end is the start of every trial
+    StepRange range;                 ///< of the steps that are tried
+    TrialLength length;              ///< of each trial
     Weight weight = Weight::linear;  ///< of the friction, for the limits
     double critical_step = 0.0;      ///< @eq{MY1997,25} for the friction; infinity without friction
     double harmonic_limit = 0.0;     ///< for the repulsion; infinity without
     FrozenLimits frozen{};           ///< of the start
-    Trials trials{};
-    double seconds = 0.0;  ///< run time of the bisection
+    Trials trials{};                 ///< those made so far
+    double seconds = 0.0;            ///< run time of the bisection
 
     /// Name of this point's cached result.
     std::string key() const;

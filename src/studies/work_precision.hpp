@@ -18,21 +18,21 @@ namespace dpd {
 
 /// One scene of a study: an integrator at one step, at rest or sheared.
 struct StudyRun {
-    std::string integrator;
-    bool reference = false;  ///< a long run for the limit of step zero
-    bool sheared = false;
-    double step = 0.0;  ///< time
-    Scene scene;
-    bool diverged = false;
-    Record record{};
-    std::vector<Quantity> quantities{};
-    double seconds_per_step = 0.0;  ///< processor time, measured apart from the run
+    std::string integrator;              ///< by name
+    bool reference = false;              ///< a long run for the limit of step zero
+    bool sheared = false;                ///< whether it is measured in shear
+    double step = 0.0;                   ///< time
+    Scene scene;                         ///< that is run
+    bool diverged = false;               ///< whether it ended early
+    Record record{};                     ///< all that was sampled
+    std::vector<Quantity> quantities{};  ///< made from it
+    double seconds_per_step = 0.0;       ///< processor time, measured apart from the run
 };
 
 /// What is measured, and where.
 struct Observable {
-    std::string quantity, label;
-    bool sheared = false;
+    std::string quantity, label;  ///< its name, and as pictures have it
+    bool sheared = false;         ///< whether it is measured in shear
     std::optional<double> exact;  ///< known at step zero
 };
 
@@ -41,38 +41,38 @@ std::vector<Observable> const& study_observables();
 
 /// A fluid and its integrators.
 struct Study {
-    std::string name, title;
+    std::string name, title;                  ///< of the study
     double table_step = 0.0;                  ///< of the table of deviations
     std::vector<std::string> integrators;     ///< in the order of the file
     std::vector<std::string> other_dynamics;  ///< of these, those with transport coefficients of their own
-    std::vector<StudyRun> runs;
+    std::vector<StudyRun> runs;               ///< all of its runs
 };
 
 /// The limit of step zero: value(step) = value + c step^2, fitted to long runs of an integrator of second
 /// order.
 struct Limit {
-    Estimate estimate;
-    double chi_squared = 0.0;
-    std::size_t degrees_of_freedom = 0;
+    Estimate estimate;                   ///< the limit of step zero
+    double chi_squared = 0.0;            ///< of the fit
+    std::size_t degrees_of_freedom = 0;  ///< of the fit
 };
 Limit limit_of_step_zero(std::vector<double> const& steps, std::vector<Estimate> const& values);
 
 /// Deviation of one measurement from the limit of step zero, relative to that.
 struct Deviation {
     double step = 0.0, duration = 0.0;  ///< time
-    double value = 0.0;
-    double error = 0.0;        ///< standard error, the reference's included
-    double statistical = 0.0;  ///< standard error of the run alone
-    double seconds = 0.0;      ///< processor time of the run
+    double value = 0.0;                 ///< measured
+    double error = 0.0;                 ///< standard error, the reference's included
+    double statistical = 0.0;           ///< standard error of the run alone
+    double seconds = 0.0;               ///< processor time of the run
 };
 
 /// How the deviation depends on the step: c_1 step + c_2 step^2 + ..., as many terms as the data bear; and
 /// the order seen, the slope of the logarithms where the deviation is clear of its error.
 struct ErrorLaw {
-    std::vector<double> coefficients;
-    Eigen::MatrixXd covariance;
-    double order = 0.0, order_error = 0.0;
-    std::size_t order_points = 0;  ///< with fewer than two there is no order
+    std::vector<double> coefficients;       ///< of the powers of the step
+    Eigen::MatrixXd covariance;             ///< of the coefficients
+    double order = 0.0, order_error = 0.0;  ///< slope of the logarithms, and its error
+    std::size_t order_points = 0;           ///< with fewer than two there is no order
 
     /// Root mean square of what the law says the deviation is at a step, given its own uncertainty.
     double bias(double step) const;
