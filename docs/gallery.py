@@ -56,7 +56,7 @@ def meaning(kinds):
 def again(name):
     """The command that draws a figure with another parameter"""
     with (ROOT / "docs" / "captions.toml").open("rb") as captions:
-        return f"dpdref figure {name} --set '{tomllib.load(captions)[name]['change']}'"
+        return f"dpdref figure {name} --set '{tomllib.load(captions).get(name, {}).get('change', 'time.step=0.01')}'"
 
 
 def definition(name, figure):
