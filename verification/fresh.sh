@@ -37,6 +37,6 @@ else
     [ "${CI:-}" != true ] || preset=ci # warnings are errors
     cmake --preset $preset
     cmake --build --preset $preset
-    ctest --preset $preset
+    ctest --preset $preset --parallel "$(nproc)"
     [ "${CI:-}" != true ] || cmake --build --preset $preset --target docs # its warnings and broken links are errors
 fi

@@ -99,7 +99,8 @@ struct Scene {
     /// order.
     void use(Engine which);
 
-    /// Name of this scene's cached result: a UUID (version 5) of text, seed, engine and its revision.
+    /// Name of this scene's cached result: a UUID (version 5) of text, seed, engine and its revision; for the
+    /// plain engine also of its own source.
     std::string key() const;
 };
 

@@ -2,6 +2,8 @@
 // shows what the cases are for. That the numbers are right, verification/answers/check_exact.py finds without
 // the engine.
 #define BOOST_TEST_MODULE exact
+#include <unistd.h>
+
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <fstream>
@@ -138,7 +140,8 @@ BOOST_AUTO_TEST_CASE(cases_show_what_they_are_for) {
 }
 
 BOOST_AUTO_TEST_CASE(bad_definitions_are_refused) {
-    auto const file = std::filesystem::temp_directory_path() / "dpdref_exact_test.toml";
+    auto const file = std::filesystem::temp_directory_path() /
+                      ("dpdref_exact_test." + std::to_string(::getpid()) + ".toml");
     auto const refused = [&](std::string const& text, std::string const& why) {
         std::ofstream(file) << text;
         BOOST_CHECK_EXCEPTION(exact_answers(file), InputError, [&](InputError const& error) {
