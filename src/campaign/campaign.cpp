@@ -76,6 +76,8 @@ bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions co
             try {
                 if (job.work(report)) ++cached;
                 report(1.0);
+            } catch (Interrupted const&) {
+                return;  // said below, unless another job failed
             } catch (...) {
                 std::scoped_lock const lock(mutex);
                 if (!failure) failure = std::current_exception();
@@ -87,9 +89,9 @@ bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions co
         std::vector<std::jthread> threads;
         for (unsigned t = 0; t < std::max(1u, options.jobs); ++t) threads.emplace_back(work);
     }
+    if (failure) std::rethrow_exception(failure);
     if (stopped())
         throw Interrupted("interrupted; what was done is kept, the same command goes on from there");
-    if (failure) std::rethrow_exception(failure);
     if (options.shard)
         fmt::print(
             "{}: shard {}/{}: {} of {} runs, {} of them were there; when all shards are done, copy their "

@@ -47,7 +47,8 @@ struct Job {
 };
 
 /// Does the jobs in their order, `options.jobs` at a time; a shard's share is even if that is of their cost.
-/// Throws the first error of a job, after which no further one is begun; or Interrupted on `options.stop`.
+/// Throws the first error of a job, after which no further one is begun; without one, Interrupted on
+/// `options.stop`.
 /// With a shard it does its share only, says so in one line, and returns false: there is nothing to draw yet.
 bool do_jobs(std::string const& title, std::vector<Job> jobs, CampaignOptions const& options);
 

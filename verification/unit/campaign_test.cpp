@@ -111,6 +111,17 @@ BOOST_AUTO_TEST_CASE(an_interrupted_campaign_says_how_to_go_on) {
     });
 }
 
+BOOST_AUTO_TEST_CASE(an_interruption_does_not_hide_a_run_that_failed) {
+    std::atomic<bool> stop = false;
+    std::vector<Job> const jobs{{1.0, [&stop](auto const&) -> bool {
+                                     stop = true;
+                                     throw Diverged("diverged at step 3");
+                                 }}};
+    CampaignOptions options;
+    options.stop = &stop;
+    BOOST_CHECK_THROW(do_jobs("test", jobs, options), Diverged);
+}
+
 BOOST_AUTO_TEST_CASE(progress_in_a_file_is_a_line_now_and_then) {
     auto const written = [](std::chrono::duration<double> interval) {
         std::FILE* const file = std::tmpfile();
