@@ -5,7 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "answers.hpp"
+#include "answer.hpp"
 #include "commands.hpp"
 #include "compare.hpp"
 #include "conventions.hpp"

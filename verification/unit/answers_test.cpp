@@ -1,4 +1,5 @@
 #define BOOST_TEST_MODULE answers
+#include "answer.hpp"
 #include "answers.hpp"
 
 #include <unistd.h>
