@@ -154,9 +154,11 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
         };
         std::size_t const first = answers.figure.curves.size();
         Scene const scene = add("", at_rest, false, {});
-        add("/shear", sheared, true, shear_settings);
         auto& figure = answers.figure;
-        figure.curves[first].join = state.id + "/shear";
+        if (!integrator->sheared_stages.empty()) {
+            add("/shear", sheared, true, shear_settings);
+            figure.curves[first].join = state.id + "/shear";
+        }
         if (repulsion > 0.0) {
             for (auto const& [suffix, sign] : {std::pair{"/below", -1.0}, std::pair{"/above", 1.0}})
                 add(suffix, dense, false,
@@ -197,11 +199,12 @@ constexpr std::array<std::pair<char const*, char const*>, 4> run_names{
     {{"rest", ""}, {"shear", "/shear"}, {"below", "/below"}, {"above", "/above"}}};
 
 // What only several runs of a state point together tell.
-std::vector<Quantity> all_quantities(Point const& rest, Point const& shear) {
+std::vector<Quantity> all_quantities(Point const& rest, Point const* shear) {
     auto quantities = rest.quantities;
     Scene const& scene = rest.runs.front();
-    quantities.push_back(
-        {"sheared_kinetic_temperature", find_quantity(shear.quantities, "kinetic_temperature")->estimate});
+    if (shear)
+        quantities.push_back({"sheared_kinetic_temperature",
+                              find_quantity(shear->quantities, "kinetic_temperature")->estimate});
     bool const cube =
         scene.dimension == 3 && scene.length[0] == scene.length[1] && scene.length[1] == scene.length[2];
     if (cube)
@@ -219,7 +222,7 @@ std::vector<Quantity> all_quantities(Point const& rest, Point const& shear) {
     return quantities;
 }
 
-Json parameters_of(StatePoint const& state, Scene const& scene, Scene const& sheared) {
+Json parameters_of(StatePoint const& state, Scene const& scene, Point const* shear) {
     Json parameters{{"integrator", state.integrator}, {"stages", scene.stage_names()}};
     for (auto const& [name, text] : theory_arguments(scene)) {
         std::istringstream stream(text);
@@ -233,16 +236,17 @@ Json parameters_of(StatePoint const& state, Scene const& scene, Scene const& she
     parameters["n"] = scene.density();
     parameters["N"] = scene.particles;
     parameters["L"] = scene.length;
-    parameters["shear_rate"] = sheared.shear_rate;
+    if (shear) parameters["shear_rate"] = shear->runs.front().shear_rate;
     return parameters;
 }
 
 Json state_json(StatePoint const& state, Figure const& figure) {
     Point const& rest = *points_named(figure, state.id).front();
-    Point const& shear = *points_named(figure, state.id + "/shear").front();
+    auto const sheared = points_named(figure, state.id + "/shear");
+    Point const* const shear = sheared.empty() ? nullptr : sheared.front();
     Scene const& scene = rest.runs.front();
     Json json{{"id", state.id}, {"title", state.title}};
-    json["parameters"] = parameters_of(state, scene, shear.runs.front());
+    json["parameters"] = parameters_of(state, scene, shear);
     for (auto const& quantity : all_quantities(rest, shear)) {
         auto const& estimate = quantity.estimate;
         json["quantities"][quantity.name] = {

@@ -36,7 +36,7 @@ std::vector<Integrator> read_integrators(std::filesystem::path const& file) {
         integrator.repulsion = table.text("repulsion", "");
         integrator.other_dynamics = table.boolean("other_dynamics", false);
         integrator.stages = table.texts("stages", std::nullopt);
-        integrator.sheared_stages = table.texts("sheared_stages", std::nullopt);
+        integrator.sheared_stages = table.texts("sheared_stages", std::vector<std::string>{});
         integrator.settings = settings_of(table, "settings");
         table.finish();
         integrators.push_back(std::move(integrator));

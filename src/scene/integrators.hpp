@@ -22,7 +22,8 @@ struct Integrator {
     double largest_friction_step = std::numeric_limits<double>::infinity();
     bool other_dynamics = false;                      ///< its transport coefficients are its own
     std::vector<std::string> settings;                ///< further keys, "table.key=value"
-    std::vector<std::string> stages, sheared_stages;  ///< of a step, at rest and in shear
+    std::vector<std::string> stages;                  ///< of a step at rest
+    std::vector<std::string> sheared_stages;          ///< in shear; none where its stress is not known
 };
 
 /// The tables [[integrator]] of a file. InputError as for scenes.

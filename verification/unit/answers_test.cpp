@@ -1,5 +1,4 @@
 #define BOOST_TEST_MODULE answers
-#include "answer.hpp"
 #include "answers.hpp"
 
 #include <unistd.h>
@@ -8,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "answer.hpp"
 #include "conventions.hpp"
 #include "integrators.hpp"
 #include "theory/closed_forms.hpp"
@@ -300,7 +300,77 @@ BOOST_AUTO_TEST_CASE(answers_in_the_units_of_another_code) {
     // viscosity: mass/(length time) = 0.5
     BOOST_TEST(text.find("kinetic_viscosity                         0.2 +- 0.005") != std::string::npos);
     BOOST_TEST(text.find("ng8 = 0.195") != std::string::npos);
+    BOOST_TEST(text.find("moved by S1; lammps-dpd moves by GW 0.5, which was not measured") !=
+               std::string::npos);
     BOOST_CHECK_THROW(answer_text(file, {"weight=linear"}, &find_code("lammps-dpd")), InputError);
+}
+
+// Whose kT, mass and cutoff are others has the same fluid where these are 1, and all values in its units.
+BOOST_AUTO_TEST_CASE(a_query_may_have_its_own_units) {
+    std::string const file = small_file();
+    // mass 8, kT 0.5, cutoff 2: the unit of time is 8
+    std::string const text = answer_text(file, {"n=0.375", "gamma=9", "dt=0.8", "m=8", "kT=0.5", "rc=2"});
+    BOOST_TEST_INFO(text);
+    BOOST_TEST(starts_with(text, "coarse: "));
+    BOOST_TEST(text.find("asked for") == std::string::npos);
+    BOOST_TEST(text.find("the same in the units asked for, as all values below:") != std::string::npos);
+    BOOST_TEST(text.find("L=[20.0,20.0,20.0]") != std::string::npos);
+    BOOST_TEST(text.find("kinetic_viscosity                         0.2 +- 0.005") != std::string::npos);
+    // of friction, noise and kT two are enough, and three may not contradict each other
+    std::string const noise = answer_text(file, {"n=0.375", "gamma=9", "dt=0.8", "m=8", "sigma=3", "rc=2"});
+    BOOST_TEST(noise == text);
+    BOOST_CHECK_THROW(answer_text(file, {"gamma=9", "sigma=3", "kT=1"}), InputError);
+    BOOST_CHECK_THROW(answer_text(file, {"gamma=9", "kT=0"}), InputError);
+}
+
+// A step or a number of particles that was not measured is no reason for another fluid.
+BOOST_AUTO_TEST_CASE(the_fluid_counts_before_its_step) {
+    Json file = Json::parse(small_file());
+    for (auto& state : file["states"]) state["parameters"]["N"] = 3000;
+    Json dilute = file["states"][0], euler = file["states"][0];
+    dilute["id"] = "dilute";
+    dilute["parameters"]["n"] = 1.0;
+    dilute["parameters"]["dt"] = 0.001;
+    dilute["parameters"]["N"] = 100;
+    euler["id"] = "euler";
+    euler["parameters"]["stages"] = {"euler"};
+    euler["parameters"]["integrator"] = "Euler";
+    euler["parameters"]["dt"] = 0.001;
+    file["states"].push_back(dilute);
+    file["states"].push_back(euler);
+    std::string const text = file.dump();
+    BOOST_TEST(starts_with(answer_text(text, {"n=3", "gamma=9", "dt=0.001"}), "fine: "));
+    BOOST_TEST(starts_with(answer_text(text, {"n=3", "gamma=9", "dt=0.1", "N=100"}), "coarse: "));
+    BOOST_TEST(starts_with(answer_text(text, {"n=3", "gamma=9", "dt=0.001", "integrator=Euler"}), "euler: "));
+    std::string const far = answer_text(text, {"n=1.2", "gamma=9", "dt=0.1"});
+    BOOST_TEST(starts_with(far, "dilute: "));
+    BOOST_TEST(far.find("not the fluid that was asked for") != std::string::npos);
+}
+
+// The committed file: inputs that were once answered with another fluid.
+BOOST_AUTO_TEST_CASE(known_inputs_get_their_own_fluid) {
+    std::string const file = text_of(DPDREF_ANSWERS);
+    auto const answers = [&](std::vector<std::string> const& query, std::string const& id,
+                             Code const* code = nullptr) {
+        std::string const text = answer_text(file, query, code);
+        BOOST_TEST_INFO(text);
+        BOOST_TEST(starts_with(text, id + ": "));
+        return text;
+    };
+    std::string const hot =
+        answers({"n=3", "a=100", "gamma=9", "dt=0.01", "kT=4", "integrator=S1"}, "s1-0.02");
+    BOOST_TEST(hot.find("pressure                              94.6") != std::string::npos);
+    BOOST_TEST(hot.find("asked for") == std::string::npos);
+    std::string const cold =
+        answers({"n=3", "a=12.5", "gamma=4.5", "dt=0.02", "kT=0.5", "integrator=S1"}, "s1-0.02");
+    BOOST_TEST(cold.find("pressure                              11.8") != std::string::npos);
+    answers({"n=3", "a=25", "gamma=4.5", "dt=0.001"}, "gw-0.01");
+    answers({"n=3", "a=25", "gamma=4.5", "dt=0.04", "N=100"}, "gw-0.04");
+    answers({"m=2", "kT=0.5", "a=25", "n=3", "gamma=4.5"}, "s1-mass");
+    std::string const openmm =
+        answers({"temperature=120.27236", "friction=4.5", "mass=1", "A=25", "stepSize=0.04", "n=3"},
+                "openmm-0.04", &find_code("openmm"));
+    BOOST_TEST(openmm.find("asked for") == std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(mistakes_are_refused) {
