@@ -27,6 +27,12 @@ void warn(Scene const& scene, RunResult const& result) {
                    "dpdref: warning: kT ended at {:.3g}, the thermostat is set to {:.3g}; try a smaller "
                    "time.step\n",
                    result.kinetic_temperature, set);
+    if (scene.stage<BodyForce>() && scene.sample.asks("kinetic_temperature") &&
+        result.kinetic_temperature > 0.0)
+        fmt::print(stderr,
+                   "dpdref: kinetic_temperature counts the flow as heat; across the flow kT ended at {:.3g} "
+                   "(the fluid's own along the channel: sample.profile)\n",
+                   result.kinetic_temperature);
 }
 
 // What costs N^2 says so beforehand.

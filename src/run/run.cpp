@@ -82,6 +82,13 @@ void append_frame(Trajectory& trajectory, Simulation<d> const& simulation) {
     trajectory.append(simulation.step, simulation.time, position, velocity, image);
 }
 
+// Of the velocities across the flow along x, which do not know it; walls are at rest.
+template <int d>
+double temperature_across(Particles<d> const& particles) {
+    double const sum = particles.velocity.rightCols(d - 1).square().sum();
+    return particles.mass * sum / (double(d - 1) * double(particles.fluid));
+}
+
 void check_place_of_trajectory(Scene const& scene, RunOptions const& options) {
     if (scene.trajectory_interval == 0) return;
     if (!options.output)
@@ -183,7 +190,10 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
         save("complete");
     }
     if (options.progress) options.progress(1.0);
-    if (!complete) result.kinetic_temperature = kinetic_temperature(simulation.particles, simulation.box);
+    if (!complete)
+        result.kinetic_temperature = scene.stage<BodyForce>()
+                                         ? temperature_across(simulation.particles)
+                                         : kinetic_temperature(simulation.particles, simulation.box);
     result.record = recorder->record();
     result.counters = simulation.counters;
     result.bytes = complete ? earlier_bytes : simulation.bytes();

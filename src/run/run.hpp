@@ -19,13 +19,15 @@ namespace dpd {
 
 /// What a finished run leaves.
 struct RunResult {
-    Record record;                     ///< all that was sampled
-    Counters counters;                 ///< of the work done
-    std::uint64_t particles = 0;       ///< of the fluid
-    double seconds = 0.0;              ///< wall clock of all its parts
-    std::uint64_t bytes = 0;           ///< memory of state, pair list and search
-    double kinetic_temperature = 0.0;  ///< at the end, energy; 0 if read from a file
-    bool from_cache = false;           ///< whether the file had it already
+    Record record;                ///< all that was sampled
+    Counters counters;            ///< of the work done
+    std::uint64_t particles = 0;  ///< of the fluid
+    double seconds = 0.0;         ///< wall clock of all its parts
+    std::uint64_t bytes = 0;      ///< memory of state, pair list and search
+    bool from_cache = false;      ///< whether the file had it already
+    /// At the end, energy; where a body force drives a flow, of the velocities across it. 0 if read from a
+    /// file.
+    double kinetic_temperature = 0.0;
 };
 
 struct RunOptions {

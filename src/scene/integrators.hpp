@@ -20,10 +20,10 @@ struct Integrator {
     double least_step = 0.0;  ///< of the study of work and precision: shorter ones are too dear
     /// Of the stability maps: the longest step tried, times the friction.
     double largest_friction_step = std::numeric_limits<double>::infinity();
-    bool other_dynamics = false;                      ///< its transport coefficients are its own
-    std::vector<std::string> settings;                ///< further keys, "table.key=value"
-    std::vector<std::string> stages;                  ///< of a step at rest
-    std::vector<std::string> sheared_stages;          ///< in shear; none where its stress is not known
+    bool other_dynamics = false;              ///< its transport coefficients are its own
+    std::vector<std::string> settings;        ///< further keys, "table.key=value"
+    std::vector<std::string> stages;          ///< of a step at rest
+    std::vector<std::string> sheared_stages;  ///< in shear; none where its stress is not known
 };
 
 /// The tables [[integrator]] of a file. InputError as for scenes.
