@@ -73,13 +73,13 @@ Command compare(CLI::App& app) {
         std::optional<std::string> state_point, reference, discard;
         std::size_t table = 0;
         double resolution = 0.01;
-        bool json = false;
+        bool sheared = false, json = false;
     };
     auto const options = std::make_shared<Options>();
     auto* const command = app.add_subcommand("compare", "judge another code's output against a reference");
     command
         ->add_option("files", options->files,
-                     "CSV, LAMMPS log or fix ave/time file, H5MD, result of dpdref run")
+                     "table, LAMMPS log or fix ave/time file, H5MD, result of dpdref run")
         ->required();
     auto* const of_answer = command->add_option("--answer", options->state_point, "id of a reference answer");
     command->add_option("--answers", options->answers, "file of the reference answers");
@@ -87,6 +87,7 @@ Command compare(CLI::App& app) {
     command->add_option("--as", options->renamings, "COLUMN=quantity[*factor]")->allow_extra_args(false);
     command->add_option("--discard", options->discard,
                         "equilibration: a time or step of the file, or a share as 20%");
+    command->add_flag("--sheared", options->sheared, "the files are of the reference's shear flow");
     command->add_option("--run", options->table, "which thermo table of a log, from 1; default the last");
     command
         ->add_option("--resolution", options->resolution, "relative combined error that an agreement needs")
@@ -102,9 +103,9 @@ Command compare(CLI::App& app) {
                 for (auto const& file : options->files) outputs.push_back(read_output(file, options->table));
                 std::vector<Renaming> names;
                 for (auto const& text : options->renamings) names.push_back(renaming_from_text(text));
-                auto const averages =
-                    average(outputs, against, names,
-                            options->discard ? discard_from_text(*options->discard) : Discard{});
+                auto const averages = average(
+                    outputs, against, names,
+                    options->discard ? discard_from_text(*options->discard) : Discard{}, options->sheared);
                 auto const result = dpd::compare(averages, against, options->resolution);
                 return print(result, averages, against, options->json) ? exit_done : exit_disagrees;
             }};

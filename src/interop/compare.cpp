@@ -14,6 +14,7 @@
 #include <span>
 
 #include "archive.hpp"
+#include "conventions.hpp"
 #include "errors.hpp"
 #include "files.hpp"
 #include "judge_figure.hpp"
@@ -73,16 +74,26 @@ Words words_of(std::string const& line) {
     return words;
 }
 
+// Between commas, tabs or blanks, whichever the line has first in this order.
 Words fields_of(std::string const& line) {
+    char const* const separators = line.find(',') != std::string::npos ? "," : "\t";
+    if (line.find_first_of(separators) == std::string::npos) return words_of(line);
     Words fields;
-    boost::split(fields, line, boost::is_any_of(","));
+    boost::split(fields, line, boost::is_any_of(separators));
     for (auto& field : fields) boost::trim_if(field, boost::is_any_of(" \t\""));
     return fields;
 }
 
+// A name without its unit, as OpenMM's `Time (ps)`, and without the object that it is of, as HOOMD-blue's
+// `Simulation.timestep`.
+std::string bare(std::string const& name) {
+    std::string const last = name.substr(name.rfind('.') + 1);
+    return boost::trim_copy(last.substr(0, last.find('(')));
+}
+
 bool is_axis(std::string const& name) {
     static std::set<std::string> const axes{"step", "timestep", "time"};
-    return axes.contains(boost::to_lower_copy(name));
+    return axes.contains(boost::to_lower_copy(bare(name)));
 }
 
 // Series from columns of samples; the first column of times or steps is the axis, others of them go.
@@ -112,15 +123,25 @@ struct Columns {
 
 // --- formats ---------------------------------------------------------------------------------------------
 
-CodeOutput read_csv(Text const& text) {
+// The header is the first line that is no comment, or, if that holds numbers, the comment above it.
+CodeOutput read_table(Text const& text) {
     CodeOutput output;
     std::optional<Columns> columns;
     bool values = false, curve = false;
+    std::string comment;
     for (std::size_t k = 0; k < text.lines.size(); ++k) {
-        if (text.lines[k].empty() || text.lines[k].front() == '#') continue;
-        Words const row = fields_of(text.lines[k]);
+        if (text.lines[k].empty()) continue;
+        if (text.lines[k].front() == '#') {
+            comment = boost::trim_left_copy_if(text.lines[k], boost::is_any_of("# \t"));
+            continue;
+        }
+        Words row = fields_of(text.lines[k]);
+        if (!columns && to_number(row[0])) {
+            columns.emplace(fields_of(comment));
+            if (comment.empty() || to_number(columns->names[0]))
+                text.fail(k, "no header; allowed: names of the columns");
+        }
         if (!columns) {
-            if (to_number(row[0])) text.fail(k, "no header; allowed: names of the columns");
             columns.emplace(row);
             values = row.size() >= 3 && row[0] == "quantity" && row[1] == "value" && row[2] == "error";
             curve = row.size() >= 3 && row[0] == "r" && row[1] == "radial_distribution" && row[2] == "error";
@@ -197,6 +218,9 @@ CodeOutput read_ave_time(Text const& text) {
     if (k < 2 || k > 3)
         text.fail(k, fmt::format("{} lines of header; allowed: 2 or 3, as fix ave/time writes them", k));
     Columns columns(words_of(text.lines[k - 1].substr(1)));
+    static constexpr std::string_view says_rate = "shear rate ";
+    if (auto const at = text.lines[0].rfind(says_rate); at != std::string::npos)
+        output.shear_rate = text.number(0, text.lines[0].substr(at + says_rate.size()));
     if (vector && columns.names.size() < 3)
         text.fail(k - 1, "allowed: row, r, g(r), and columns that do not count");
     if (vector) output.axis = "step";
@@ -288,12 +312,12 @@ CodeOutput read_output(std::filesystem::path const& file, std::size_t run) {
             return line.starts_with("LAMMPS (") || line.starts_with("Per MPI rank memory") ||
                    line.starts_with("Memory usage per processor");
         });
-        auto const data = std::find_if(text.lines.begin(), text.lines.end(),
-                                       [](auto const& line) { return !line.empty() && line[0] != '#'; });
-        bool const commas = data != text.lines.end() && data->find(',') != std::string::npos;
-        output = log                                   ? read_log(text, run)
-                 : content.starts_with('#') && !commas ? read_ave_time(text)
-                                                       : read_csv(text);
+        auto const is_comment = [](std::string const& line) { return line.empty() || line[0] == '#'; };
+        auto const data = std::find_if_not(text.lines.begin(), text.lines.end(), is_comment);
+        bool const ave_time = data - text.lines.begin() > 1 && is_comment(text.lines[1]) &&
+                              (data == text.lines.end() || data->find_first_of(",\t") == std::string::npos) &&
+                              (data == text.lines.end() || to_number(words_of(*data)[0]));
+        output = log ? read_log(text, run) : ave_time ? read_ave_time(text) : read_table(text);
     }
     output.file = file.string();
     for (auto const& [name, values] : output.series) check_name(output.file, name);
@@ -302,7 +326,7 @@ CodeOutput read_output(std::filesystem::path const& file, std::size_t run) {
                                      [](auto const& series) { return !series.second.empty(); });
     if (output.values.empty() && output.curve.x.empty() && output.g.empty() && !samples)
         throw InputError(
-            fmt::format("{}: holds no samples; allowed: CSV, a LAMMPS log, a file of fix ave/time, H5MD "
+            fmt::format("{}: holds no samples; allowed: a table, a LAMMPS log, a file of fix ave/time, H5MD "
                         "(observables/NAME/value)",
                         output.file));
     return output;
@@ -335,6 +359,17 @@ Discard discard_from_text(std::string const& text) {
 
 // --- references ------------------------------------------------------------------------------------------
 
+namespace {
+
+void describe(Reference& reference, Scene const& scene) {
+    reference.components = diffusing_components(scene);
+    reference.dimension = scene.dimension;
+    reference.particles = scene.particles;
+    reference.thermostat_forces = scene.stage<ModifiedVerlet>() || scene.stage<EulerImpulses>();
+}
+
+}  // namespace
+
 Reference answer_reference(std::filesystem::path const& answers, std::string const& id) {
     try {
         Json const json = Json::parse(read_file(answers));
@@ -364,7 +399,7 @@ Reference answer_reference(std::filesystem::path const& answers, std::string con
             }
             for (auto const& [which, text] : state.at("scenes").items()) {
                 Scene const scene = parse_scene(text, fmt::format("{}: {} {}", answers.string(), id, which));
-                if (which == "rest") reference.components = diffusing_components(scene);
+                if (which == "rest") describe(reference, scene);
                 if (which == "shear") reference.shear_rate = scene.shear_rate;
             }
             return reference;
@@ -389,29 +424,39 @@ Reference run_reference(std::filesystem::path const& file) {
     }
     Scene const scene = parse_scene(text, file.string(), {}, seed);
     std::vector<Record> const records{run(scene, {.output = file, .progress = {}}).record};
-    return {.name = file.string(),
-            .quantities = analyze(scene, records),
-            .radial_distribution = curve_of(scene, records, "radial_distribution"),
-            .shear_rate = scene.shear_rate,
-            .components = diffusing_components(scene)};
+    Reference reference{.name = file.string(),
+                        .quantities = analyze(scene, records),
+                        .radial_distribution = curve_of(scene, records, "radial_distribution"),
+                        .shear_rate = scene.shear_rate};
+    describe(reference, scene);
+    return reference;
 }
 
 // --- averages --------------------------------------------------------------------------------------------
 
 namespace {
 
+// What other codes call that which dpdref measures, too.
 struct Alias {
+    enum Of { intensive, per_particle, all_particles };  // per_particle: if a LAMMPS log's energies are
     std::string_view column, quantity;
-    bool energy = false;
+    Of of = intensive;
+    double factor = 1.0;
 };
 
-// What LAMMPS calls that which dpdref measures, too.
-constexpr std::array<Alias, 6> lammps_names{{{"Temp", "kinetic_temperature"},
-                                             {"c_thermo_temp", "kinetic_temperature"},
-                                             {"Press", "pressure"},
-                                             {"c_thermo_press", "pressure"},
-                                             {"PotEng", "potential_energy", true},
-                                             {"E_pair", "potential_energy", true}}};
+constexpr std::string_view lammps_pressure = "lammps_pressure";
+
+// OpenMM counts energy in kJ/mol; so does its kT, which is then in the unit that its parameters have.
+constexpr std::array<Alias, 9> foreign_names{
+    {{"Temp", "kinetic_temperature"},
+     {"c_thermo_temp", "kinetic_temperature"},
+     {"Press", lammps_pressure},
+     {"c_thermo_press", lammps_pressure},
+     {"PotEng", "potential_energy", Alias::per_particle},
+     {"E_pair", "potential_energy", Alias::per_particle},
+     {"c_thermo_pe", "potential_energy", Alias::all_particles},
+     {"Potential Energy (kJ/mole)", "potential_energy", Alias::all_particles},
+     {"Temperature (K)", "kinetic_temperature", Alias::intensive, gas_constant}}};
 
 bool is_known(Reference const& reference, std::string_view name) {
     return name == "stress_xy" || find_quantity(reference.quantities, name);
@@ -423,11 +468,17 @@ Renaming named(std::string const& column, bool per_particle, Reference const& re
     for (auto const& renaming : renamings)
         if (renaming.column == column) return renaming;
     if (is_known(reference, column)) return {column, column};
-    for (auto const& alias : lammps_names)
-        if (alias.column == column && (per_particle || !alias.energy))
-            return {column, std::string(alias.quantity)};
+    for (auto const& alias : foreign_names) {
+        if (alias.column != column || (alias.of == Alias::per_particle && !per_particle)) continue;
+        // with friction and noise in its virial it is another quantity
+        bool const pressure = alias.quantity == lammps_pressure && !reference.thermostat_forces;
+        bool const sum = alias.of == Alias::all_particles && reference.particles > 0;
+        return {column, pressure ? "pressure" : std::string(alias.quantity),
+                sum ? alias.factor / double(reference.particles) : alias.factor};
+    }
     if (column.starts_with("v_") || column.starts_with("c_"))
-        if (auto const bare = column.substr(2); is_known(reference, bare)) return {column, bare};
+        if (auto const name = column.substr(2); is_known(reference, name)) return {column, name};
+    if (auto const name = bare(column); is_known(reference, name)) return {column, name};
     return {column, column};
 }
 
@@ -495,7 +546,7 @@ bool drifts(std::vector<double> const& samples, std::size_t family) {
 }  // namespace
 
 Averages average(std::vector<CodeOutput> const& outputs, Reference const& reference,
-                 std::vector<Renaming> const& renamings, Discard const& discard) {
+                 std::vector<Renaming> const& renamings, Discard const& discard, bool sheared) {
     Averages averages;
     std::map<std::string, CodeOutput const*> source;  // of each quantity
     std::set<std::string> columns;
@@ -507,6 +558,7 @@ Averages average(std::vector<CodeOutput> const& outputs, Reference const& refere
                                          quantity, other->second->file, from.file));
         averages.quantities.push_back({quantity, estimate});
     };
+    bool const has_sheared = find_quantity(reference.quantities, "sheared_kinetic_temperature");
     auto const use = [&](CodeOutput const& output, std::string const& column) {
         columns.insert(column);
         Renaming renaming = named(column, output.per_particle, reference, renamings);
@@ -516,10 +568,27 @@ Averages average(std::vector<CodeOutput> const& outputs, Reference const& refere
             std::none_of(renamings.begin(), renamings.end(),
                          [&](auto const& r) { return r.column == column; }))
             return Renaming{column, column};
-        make_viscosity(renaming, reference.shear_rate);
+        if (renaming.quantity == lammps_pressure && column != lammps_pressure)
+            averages.notes.push_back(fmt::format(
+                "{}: LAMMPS counts friction and noise of pair dpd in it, which makes another quantity than "
+                "pressure; --as {}=pressure compares them all the same",
+                column, column));
+        if (renaming.factor == 1.0 / double(reference.particles))
+            averages.notes.push_back(fmt::format("{}: taken for the sum over {} particles, the reference's",
+                                                 column, reference.particles));
+        bool const flows = sheared || output.shear_rate.value_or(0.0) != 0.0;
+        if (!output.shear_rate || flows) make_viscosity(renaming, reference.shear_rate);
+        // what the flow heats has a reference of its own, or none
+        if (flows && has_sheared && is_known(reference, renaming.quantity) &&
+            !renaming.quantity.ends_with("viscosity"))
+            renaming.quantity = "sheared_" + renaming.quantity;
         return renaming;
     };
     for (auto const& output : outputs) {
+        if (double const rate = output.shear_rate.value_or(0.0);
+            rate != 0.0 && std::abs(rate - reference.shear_rate) > 1e-6 * std::abs(rate))
+            throw InputError(fmt::format("{}: its shear rate is {:g}; allowed: {:g}, the reference's",
+                                         output.file, rate, reference.shear_rate));
         averages.notes.insert(averages.notes.end(), output.notes.begin(), output.notes.end());
         for (auto const& [column, estimate] : output.values) {
             auto const [from, quantity, factor] = use(output, column);
@@ -558,10 +627,17 @@ Averages average(std::vector<CodeOutput> const& outputs, Reference const& refere
                     fmt::format("{}: lag has {} values, mean_square_displacement {}; allowed: as many",
                                 output.file, lag->size(), squares->size()));
             auto constants = diffusion_by_origin(*lag, *squares, first, reference.components);
-            add("diffusion_constant", blocking(constants), output);
-            kept.emplace_back("diffusion_constant", std::move(constants));
+            std::string const name = use(output, "diffusion_constant").quantity;
+            columns.erase("diffusion_constant");
+            add(name, blocking(constants), output);
+            kept.emplace_back(name, std::move(constants));
         }
         if (output.g.empty() && output.curve.x.empty()) continue;
+        if (has_sheared && (sheared || output.shear_rate.value_or(0.0) != 0.0)) {
+            averages.notes.push_back(
+                fmt::format("{}: g(r) of a shear flow, which has no reference", output.file));
+            continue;
+        }
         if (auto const [other, fresh] = source.emplace("radial_distribution", &output); !fresh)
             throw InputError(fmt::format("radial_distribution: is in {} and in {}; allowed: once",
                                          other->second->file, output.file));
@@ -627,6 +703,27 @@ CodeComparison compare_curves(CurveEstimate const& curve, CurveEstimate const& r
     return worst;
 }
 
+// What the ratio of two values that disagree looks like; empty for none that is known.
+std::string hint(CodeComparison const& comparison, Reference const& reference) {
+    struct Mistake {
+        std::string_view quantity;
+        double factor;
+        std::string_view what;
+    };
+    auto const d = double(reference.dimension), N = double(reference.particles);
+    std::array<Mistake, 6> const mistakes{{{"kinetic_temperature", d, "not divided by the dimension?"},
+                                           {"kinetic_temperature", 0.5 * d, "the kinetic energy itself?"},
+                                           {"potential_energy", 2.0, "each pair counted twice?"},
+                                           {"potential_energy", N, "not divided by the number of particles?"},
+                                           {"diffusion_constant", 2.0, "not divided by 2?"},
+                                           {"diffusion_constant", d, "not divided by the dimension?"}}};
+    double const ratio = comparison.value.value / comparison.reference.value;
+    for (auto const& [quantity, factor, what] : mistakes)
+        if (quantity == comparison.quantity && std::abs(ratio / factor - 1.0) < 0.05)
+            return fmt::format("{}: {:.4g} times the reference: {}", quantity, ratio, what);
+    return {};
+}
+
 }  // namespace
 
 CodeReport compare(Averages const& averages, Reference const& reference, double resolution) {
@@ -652,6 +749,8 @@ CodeReport compare(Averages const& averages, Reference const& reference, double 
         double const half_width = critical_z(share, value.blocks) * value.error;
         if (c.verdict == Verdict::agrees && half_width > resolution * std::abs(c.reference.value))
             c.verdict = Verdict::undecided;
+        if (auto text = hint(c, reference); c.verdict == Verdict::disagrees && !text.empty())
+            report.hints.push_back(std::move(text));
     }
     if (curves)
         report.comparisons.push_back(
@@ -688,6 +787,7 @@ bool print(CodeReport const& report, Averages const& averages, Reference const& 
                                                    {"error", estimate.error},
                                                    {"blocks", estimate.blocks}});
         output["not_measured"] = report.not_measured;
+        output["hints"] = report.hints;
         output["notes"] = averages.notes;
         fmt::print("{}\n", output.dump(1, ' ', false, Json::error_handler_t::replace));
         return agrees;
@@ -707,6 +807,7 @@ bool print(CodeReport const& report, Averages const& averages, Reference const& 
         report.comparisons.size(), reference.name, count[Verdict::agrees], count[Verdict::disagrees],
         count[Verdict::undecided], 100.0 * family_false_alarm);
     if (!report.not_measured.empty()) fmt::print("not measured: {}\n", fmt::join(report.not_measured, ", "));
+    for (auto const& text : report.hints) fmt::print("hint: {}\n", text);
     for (auto const& note : averages.notes) fmt::print("note: {}\n", note);
     return agrees;
 }

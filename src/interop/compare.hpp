@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,16 +23,18 @@ struct CodeOutput {
     std::string axis;              ///< name of the column of times or steps; empty without one
     std::vector<double> at;        ///< times or steps of the samples
     std::vector<std::pair<std::string, std::vector<double>>>
-        series;                          ///< columns by name, in the order of time
-    std::vector<double> r;               ///< middle of the bins of g(r)
-    std::vector<std::vector<double>> g;  ///< samples of each bin
-    CurveEstimate curve{};               ///< or g(r) with errors
-    bool per_particle = true;            ///< whether a LAMMPS log's energies are
-    std::vector<std::string> notes;      ///< what was left out
+        series;                             ///< columns by name, in the order of time
+    std::vector<double> r;                  ///< middle of the bins of g(r)
+    std::vector<std::vector<double>> g;     ///< samples of each bin
+    CurveEstimate curve{};                  ///< or g(r) with errors
+    bool per_particle = true;               ///< whether a LAMMPS log's energies are
+    std::vector<std::string> notes;         ///< what was left out
+    std::optional<double> shear_rate = {};  ///< if the file says it, as a deck's does; 0: at rest
 };
 
-/// Reads CSV, a LAMMPS log (the thermo table of its k-th run; 0: of the last), a file of LAMMPS' fix
-/// ave/time, H5MD, or a result of `dpdref run`, recognised by content. InputError names file and line.
+/// Reads a table (CSV, or columns between blanks; its header may be a comment), a LAMMPS log (the thermo
+/// table of its k-th run; 0: of the last), a file of LAMMPS' fix ave/time, H5MD, or a result of `dpdref run`,
+/// recognised by content. InputError names file and line.
 CodeOutput read_output(std::filesystem::path const& file, std::size_t run = 0);
 
 /// COLUMN=quantity[*factor]: `factor` times the column is the quantity.
@@ -58,6 +62,10 @@ struct Reference {
     CurveEstimate radial_distribution{};  ///< g(r); empty if there is none
     double shear_rate = 0.0;              ///< of the flow behind the viscosities, 1/time; 0 without
     int components = 3;                   ///< axes that a mean-square displacement sums
+    int dimension = 3;                    ///< of space
+    std::uint64_t particles = 0;          ///< of the fluid; 0: not known
+    /// Friction and noise are forces of the integrator, so that a code may count them in its pressure.
+    bool thermostat_forces = false;
 };
 
 /// A state point of a file of reference answers (schema dpdref-answers/1).
@@ -74,11 +82,12 @@ struct Averages {
 };
 
 /// Names the columns (as they are called; LAMMPS' names; `renamings`), discards, and averages: errors by
-/// blocking. In a shear flow stresses become viscosities; `lag` and `mean_square_displacement` become a
+/// blocking. In a shear flow stresses become viscosities, and what was measured in one (the file says so, or
+/// `sheared`) is compared with the reference's sheared values; `lag` and `mean_square_displacement` become a
 /// diffusion constant, as `analyze` makes it. Notes say what was discarded and which halves of a series
-/// differ. InputError for a quantity that comes twice or a column that is not there.
+/// differ. InputError for a quantity that comes twice, a column that is not there, another shear rate.
 Averages average(std::vector<CodeOutput> const& outputs, Reference const& reference,
-                 std::vector<Renaming> const& renamings, Discard const& discard);
+                 std::vector<Renaming> const& renamings, Discard const& discard, bool sheared = false);
 
 /// A quantity of both.
 struct CodeComparison {
@@ -95,6 +104,7 @@ struct CodeReport {
     std::vector<CodeComparison> comparisons;  ///< one per quantity and bin
     std::vector<Quantity> without_reference;  ///< measured by the code alone
     std::vector<std::string> not_measured;    ///< the reference's other quantities
+    std::vector<std::string> hints;           ///< what a disagreement looks like
 };
 
 /// Compares all that both have, by Student's t with Welch's degrees of freedom and Bonferroni's share of the

@@ -211,8 +211,8 @@ std::string scalar_lines(Scene const& scene) {
     }
     return lines + fmt::format(
                        "fix scalars all ave/time {0} 1 {0}{1} file scalars.dat format \" %.15g\" &\n"
-                       "    title1 \"# dpdref observables\" title2 \"# step{2}\"\n",
-                       sample.interval, values, names);
+                       "    title1 \"# dpdref observables, shear rate {3}\" title2 \"# step{2}\"\n",
+                       sample.interval, values, names, scene.shear_rate);
 }
 
 // Blocks of g(r), each one entry of rdf.dat.
@@ -225,8 +225,9 @@ std::string rdf_lines(Scene const& scene) {
     return fmt::format(
         "compute rdf all rdf {} cutoff {}\n"
         "fix rdf all ave/time {} {} {} c_rdf[1] c_rdf[2] mode vector file rdf.dat &\n"
-        "    title1 \"# dpdref radial_distribution\" title2 \"# step bins\" title3 \"# bin r g\"\n",
-        p->bins, p->range, p->interval, repeats, p->interval * repeats);
+        "    title1 \"# dpdref radial_distribution, shear rate {}\" title2 \"# step bins\" title3 \"# bin r "
+        "g\"\n",
+        p->bins, p->range, p->interval, repeats, p->interval * repeats, scene.shear_rate);
 }
 
 // Displacements since the last origin, which moves on when the longest lag is reached.
@@ -254,10 +255,11 @@ std::string msd_lines(Scene const& scene) {
                        "variable mean_square_displacement equal ({3})/{4}\n"
                        "fix msd all ave/time {5} 1 {5} v_lag v_mean_square_displacement file msd.dat format "
                        "\" %.15g\" &\n"
-                       "    title1 \"# dpdref mean_square_displacement, sum over{6}\" &\n"
+                       "    title1 \"# dpdref mean_square_displacement, sum over{6}, shear rate {7}\" &\n"
                        "    title2 \"# step lag mean_square_displacement\"\n"
                        "fix origin all store/state {2}{6}\n",
-                       reduced, scene.time_step, longest, sum, scene.particles, p->spacing, names);
+                       reduced, scene.time_step, longest, sum, scene.particles, p->spacing, names,
+                       scene.shear_rate);
 }
 
 std::vector<std::string> not_measured(Scene const& scene) {

@@ -29,9 +29,6 @@ double noise(DpdFluid const& fluid) { return std::sqrt(2.0 * fluid.gamma * fluid
 
 namespace {
 
-/// Gas constant, kJ/(mol K), exact since 2019: kT of a code that counts energy in kJ/mol.
-constexpr double gas_constant = 8.31446261815324e-3;
-
 std::optional<Weight> weight_of_exponent(double p) {
     for (auto const name : names<Weight>)
         if (auto const weight = value_of<Weight>(name); exponent(*weight) == p) return weight;

@@ -14,6 +14,9 @@
 
 namespace dpd {
 
+/// Gas constant, kJ/(mol K), exact since 2019: kT of a code that counts energy in kJ/mol.
+inline constexpr double gas_constant = 8.31446261815324e-3;
+
 /// A DPD fluid of one species as dpdref means it: on i act, along the unit vector e from j to i,
 /// F_C = a (1 - r/rc), F_D = -gamma w_D(r/rc) e.(v_i - v_j), and noise sigma w_R with w_R^2 = w_D and
 /// sigma^2 = 2 gamma kT.

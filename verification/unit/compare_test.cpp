@@ -170,9 +170,10 @@ BOOST_AUTO_TEST_CASE(files_of_fix_ave_time) {
 
 BOOST_AUTO_TEST_CASE(comma_separated_values) {
     Directory const directory;
-    auto const values = read_output(directory.write(
-        "v",
-        "# of a code\nquantity,value,error,blocks\n\"pressure\", 23.5 ,0.1,12\r\nviscosity,+1e0,2e-3,4\n"));
+    auto const values =
+        read_output(directory.write("v",
+                                    "# of a code\n# in two lines\nquantity,value,error,blocks\n\"pressure\", "
+                                    "23.5 ,0.1,12\r\nviscosity,+1e0,2e-3,4\n"));
     BOOST_TEST(values.values.size() == 2u);
     BOOST_TEST(values.values[0].name == "pressure");
     BOOST_TEST(values.values[0].estimate.blocks == 12u);
@@ -187,6 +188,98 @@ BOOST_AUTO_TEST_CASE(comma_separated_values) {
         read_output(directory.write("c", "r,radial_distribution,error\n0.1,0.2,0.01\n0.3,0.4,0.01\n"));
     BOOST_TEST(curve.curve.x[1] == 0.3);
     BOOST_TEST(curve.curve.y[1].value == 0.4);
+}
+
+// The same three samples as numpy, a spreadsheet, HOOMD-blue and OpenMM write them.
+BOOST_AUTO_TEST_CASE(tables_of_other_programs) {
+    Directory const directory;
+    Reference gas = fluid;
+    gas.particles = 10;
+    double const kelvin = 1.0 / 8.31446261815324e-3;
+    std::string const openmm = fmt::format(
+        "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Temperature "
+        "(K)\"\n0,0.0,45.0,{}\n100,4.0,46.0,{}\n"
+        "200,8.0,44.0,{}\n",
+        1.25 * kelvin, 1.0 * kelvin, 0.75 * kelvin);
+    for (std::string const& text :
+         {std::string(
+              "# time kinetic_temperature pressure\n0.0e+00 1.25e+00 2.3e+01\n1.0e+00 1.0e+00 2.4e+01\n"
+              "2.0e+00 7.5e-01 2.5e+01\n"),
+          std::string("time\tkinetic_temperature\tpressure\n0\t1.25\t23\n1\t1\t24\n2\t0.75\t25\n"),
+          std::string(" Simulation.timestep  ThermodynamicQuantities.kinetic_temperature  "
+                      "ThermodynamicQuantities.pressure \n   0    1.25     23\n   100   1.0   24\n   200   "
+                      "0.75  25\n"),
+          openmm}) {
+        auto const output = read_output(directory.write("table", text));
+        BOOST_TEST_INFO(text);
+        BOOST_TEST(!output.axis.empty());
+        BOOST_TEST(output.at.size() == 3u);
+        auto const averages = average({output}, gas, {}, {});
+        BOOST_TEST(estimate_of(averages, "kinetic_temperature").value == 1.0,
+                   boost::test_tools::tolerance(1e-12));
+        if (text != openmm) {
+            BOOST_TEST(estimate_of(averages, "pressure").value == 24.0);
+            continue;
+        }
+        BOOST_TEST(estimate_of(averages, "potential_energy").value == 4.5,
+                   boost::test_tools::tolerance(1e-12));
+        BOOST_TEST(averages.notes.at(1).find("the sum over 10 particles") != std::string::npos);
+    }
+    BOOST_CHECK_EXCEPTION(read_output(directory.write("n", "# 1 2\n1 2\n")), InputError, says("no header"));
+    BOOST_CHECK_EXCEPTION(read_output(directory.write("n", "1 2\n1 2\n")), InputError, says("no header"));
+}
+
+// LAMMPS's own pressure is the reference's only where friction and noise are no forces.
+BOOST_AUTO_TEST_CASE(a_pressure_with_friction_is_another_quantity) {
+    Directory const directory;
+    auto const log = read_output(directory.write("ave",
+                                                 "# Time-averaged data for fix s\n# TimeStep c_thermo_temp "
+                                                 "c_thermo_press\n10 1.0 23.0\n20 1.0 24.0\n"));
+    Reference reference = fluid;
+    BOOST_TEST(estimate_of(average({log}, reference, {}, {}), "pressure").value == 23.5);
+    reference.thermostat_forces = true;
+    auto const averages = average({log}, reference, {}, {});
+    BOOST_TEST(!find_quantity(averages.quantities, "pressure"));
+    BOOST_TEST(estimate_of(averages, "lammps_pressure").value == 23.5);
+    BOOST_TEST(averages.notes.back().find("--as c_thermo_press=pressure") != std::string::npos);
+    auto const forced = average({log}, reference, {renaming_from_text("c_thermo_press=pressure")}, {});
+    BOOST_TEST(estimate_of(forced, "pressure").value == 23.5);
+}
+
+// A deck in shear says its rate; kT is then that of the flow, and what has no sheared reference has none.
+BOOST_AUTO_TEST_CASE(a_flow_is_compared_with_the_flow) {
+    Directory const directory;
+    Reference reference = fluid;
+    reference.shear_rate = 0.25;
+    reference.quantities.push_back({"sheared_kinetic_temperature", {1.035, 0.001, 100}});
+    auto const deck = [&](std::string const& rate) {
+        return read_output(directory.write("scalars", "# dpdref observables, shear rate " + rate +
+                                                          "\n# step kinetic_temperature pressure stress_xy\n"
+                                                          "10 1.0 23.0 0.2\n20 1.5 24.0 0.3\n"));
+    };
+    auto const flow = average({deck("0.25")}, reference, {}, {});
+    BOOST_TEST(estimate_of(flow, "sheared_kinetic_temperature").value == 1.25);
+    BOOST_TEST(estimate_of(flow, "viscosity").value == 1.0);
+    auto const report = compare(flow, reference, 0.01);
+    BOOST_TEST(report.comparisons.size() == 1u);  // `fluid` has no viscosity
+    BOOST_TEST(report.comparisons[0].quantity == "sheared_kinetic_temperature");
+    auto const rest = average({deck("0")}, reference, {}, {});
+    BOOST_TEST(estimate_of(rest, "kinetic_temperature").value == 1.25);
+    BOOST_TEST(estimate_of(rest, "pressure").value == 23.5);
+    BOOST_TEST(!find_quantity(rest.quantities, "viscosity"));
+    BOOST_CHECK_EXCEPTION(average({deck("0.5")}, reference, {}, {}), InputError, says("allowed: 0.25"));
+    auto const said = read_output(directory.write("t", "time,kinetic_temperature\n0,1.0\n1,1.5\n"));
+    BOOST_TEST(estimate_of(average({said}, reference, {}, {}, true), "sheared_kinetic_temperature").value ==
+               1.25);
+}
+
+BOOST_AUTO_TEST_CASE(a_factor_that_is_known_is_named) {
+    Directory const directory;
+    auto const values = read_output(
+        directory.write("v", "quantity,value,error,blocks\nkinetic_temperature,3.08,0.004,100\n"));
+    auto const report = compare(average({values}, fluid, {}, {}), fluid, 0.01);
+    BOOST_TEST(name_of(report.comparisons.at(0).verdict) == "disagrees");
+    BOOST_TEST(report.hints.at(0).find("not divided by the dimension?") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(h5md_of_others_and_of_dpdref) {
@@ -253,7 +346,7 @@ BOOST_AUTO_TEST_CASE(mistakes_in_files_are_named_with_their_line) {
         {"Per MPI rank memory allocation (min/avg/max) = 1\n------------ Step 0 ----- CPU = 0\n",
          "f:2: no header"},
         {"Per MPI rank memory allocation (min/avg/max) = 1\nStep Temp\nLoop time of 1\n", "holds no samples"},
-        {"# one line\n1 2\n", "f:2: 1 lines of header"},
+        {"# 1 2\n1 2\n", "f:2: no header"},
         {replaced(scalars, "2.38389 ", ""), "f:4: 2 columns; allowed: 3"},
         {replaced(rdf, "100 10", "100 ten"), "f:4: ten is not allowed"},
         {replaced(rdf, "100 10", "100"), "f:4: no head of a block"},
