@@ -140,7 +140,7 @@ def problem(program, command, directory, memory):
     """What is wrong with how the command ended, or nothing."""
     try:
         done = subprocess.run([program.path, *command], cwd=directory, stdin=subprocess.DEVNULL, capture_output=True,
-                              timeout=20 * LONGEST, preexec_fn=lambda: limits(memory), check=False)
+                              timeout=4 * 3600, preexec_fn=lambda: limits(memory), check=False)
     except subprocess.TimeoutExpired:
         return None
     except (ValueError, OSError):  # no command line can hold this
