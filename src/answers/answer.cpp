@@ -140,6 +140,7 @@ Query own_query(Json const& states, std::vector<std::string> const& words) {
     for (auto const& state : states)
         for (auto const& [key, value] : state["parameters"].items())
             if (!value.is_array()) known.insert(key);
+    if (known.contains("gamma")) known.insert("sigma");
     for (auto const& word : words)
         if (word.find('=') == std::string::npos || !known.contains(word.substr(0, word.find('='))))
             throw InputError(fmt::format(
@@ -347,8 +348,7 @@ std::string answer_text(std::string const& answers, std::vector<std::string> con
     if (code)
         text += fmt::format("  {}\n", parameters_of(*code, units, scaled));
     else if (units.length != own.length || units.mass != own.mass || units.energy != own.energy)
-        text += fmt::format("  the same in the units asked for, as all values below:{}\n",
-                            parameters_text(scaled));
+        text += fmt::format("  in your units, as all values below:{}\n", parameters_text(scaled));
     if (!integrator.empty() && integrator != text_of(parameters["integrator"]))
         text += fmt::format("  moved by {}; {} moves by {}, which was not measured for this fluid\n",
                             text_of(parameters["integrator"]), code->name, integrator);
