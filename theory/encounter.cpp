@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -166,11 +167,12 @@ public:
     /// Of a step the solution needs a source times 2/(1 + c), and what the equal factors at the same step
     /// would add is taken away (2).
     // [source]
-    double at_same_step(Source const& source) const {
+    double at_same_step(Source const& source) const { return at_same_step(source, source); }
+    double at_same_step(Source const& source, Source const& other) const {
         double sum = 0.0;
         for_each_point_in_range([&](int, Point const& point) {
-            sum += point.volume * pair_.step * square(source.amplitude(pair_, point.r)) /
-                   (1.0 + kept(source.function, point.r));
+            sum += point.volume * pair_.step * source.amplitude(pair_, point.r) *
+                   other.amplitude(pair_, point.r) / (1.0 + kept(source.function, point.r));
         });
         return sum;
     }
@@ -312,5 +314,39 @@ StressMemory stress_memory(Encounter const& pair, int degree) {
             bounds(cross[0], cross[1])};
 }
 // [stress memory]
+
+// [heat memory]
+double heat_memory(Encounter const& pair, double decay, double excess, int degree) {
+    // of u_r an explicit step keeps 1 - kappa - 2a, of u_t 1 - kappa: as if the medium kept 1 - kappa, and
+    // the pair then 1 - 2a/(1 - kappa)
+    auto thermostat = std::get<Shardlow>(pair.thermostat);
+    auto const a = [=, step = pair.step](double r) {
+        return thermostat.gamma * weight_at(thermostat.weight, r) * step;
+    };
+    Encounter kept = pair;
+    kept.medium = -std::log1p(-decay) / pair.step;
+    kept.thermostat = Shardlow{thermostat.gamma / (1.0 - decay), thermostat.weight, Scheme::linear};
+    check(kept, degree);
+    auto const per_time = [&](auto const& amplitude) {
+        return [=, step = pair.step](Encounter const&, double r) { return amplitude(a(r)) / step; };
+    };
+    Source const heated{u_r_u_r,
+                        per_time([=](double x) { return 2.0 * std::numbers::sqrt2 * x * (excess + x); })};
+    Source const gained{u_r_u_r,
+                        per_time([=](double x) { return std::numbers::sqrt2 * x * (x - 1.0 + decay); })};
+    Source const gained_by_density{one, per_time([=](double x) { return x * (excess + x); })};
+    EncounterSolver solver(kept, 0, degree);
+    Eigen::VectorXd from = Eigen::VectorXd::Zero(solver.unknowns()), to = from;
+    solver.add_even_source(from, heated);
+    solver.add_even_source(to, gained);
+    solver.add_even_source(to, gained_by_density);
+    double memory = 0.0;
+    for (bool const with_highest : {false, true}) {
+        solver.factorize(with_highest);
+        memory += 0.5 * to.dot(solver.solve(from));
+    }
+    return pair.step * (memory - solver.at_same_step(heated, gained));
+}
+// [heat memory]
 
 }  // namespace dpd::theory

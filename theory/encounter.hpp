@@ -62,6 +62,14 @@ struct StressMemory {
 };
 StressMemory stress_memory(Encounter const& pair, int degree);
 
+/// What a pair remembers of the heat that an explicit step leaves in it: \f$\sum_{j\ge1}\int d\mathbf
+/// r\langle X_0b_j\rangle\f$ with \f$b=2^{3/2}a\,(e+a)\,H_2\f$, what a step adds to the distribution, and
+/// \f$X=a\,(e+a)+2^{1/2}a\,(a-1+\kappa)H_2\f$, the energy over 2kT that the pair then gains in a step;
+/// \f$H_2=(u_r^2-1)/2^{1/2}\f$, e = `excess`, kappa = `decay` what the medium takes of a velocity in a step,
+/// and a = w step. `pair` has the thermostat as it is; its medium has no meaning here. Throws as
+/// force_memory.
+double heat_memory(Encounter const& pair, double decay, double excess, int degree);
+
 /// The same sums over steps with the drift of a step exact: made once for a pair and a step, asked for any
 /// medium. Better the longer the step; at steps below 0.02 the elements in r are too wide for the flight.
 class StepEncounter {

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ struct VelocityFunction {
     int degree() const { return i + tangential_degree(); }
 };
 
+constexpr VelocityFunction one{0, 0, 0};
 constexpr VelocityFunction u_r{0, 1, 0};      ///< u_r
 constexpr VelocityFunction u_r_u_r{0, 2, 0};  ///< (u_r^2 - 1)/2^(1/2)
 constexpr VelocityFunction u_r_u_t{1, 1, 0};  ///< u_r u_t, normalized
@@ -42,7 +44,7 @@ void check(Encounter const& pair, int degree);
 /// A source of a correlation: a function of the velocity times an amplitude that depends on r.
 struct Source {
     VelocityFunction function;
-    double (*amplitude)(Encounter const& pair, double r);
+    std::function<double(Encounter const& pair, double r)> amplitude;
 };
 /// w r^.g, and its tensor's norm is 1.
 extern Source const force_source;

@@ -696,6 +696,44 @@ TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat
     return transport(gas, Lowe{thermostat.Gamma * gas.rc * std::sqrt(gas.m / gas.kT)}, dt, box);
 }
 
+// [temperature with memory]
+TemperatureWithMemory temperature_with_memory(ExplicitDpd const& fluid, double dt) {
+    if (fluid.random_weight && *fluid.random_weight != fluid.weight)
+        throw std::domain_error("the temperature with memory is known for matched weights only");
+    double const chaos = temperature_at_finite_step(fluid, dt);  // checks the fluid and the step
+    double const bath = square(fluid.sigma) / (2.0 * fluid.gamma);
+    double const n = fluid.n * std::pow(fluid.rc, fluid.d), decay = fluid.n * A1(fluid) * dt;
+    // theta = bath/T balances the energy where theta = bath/chaos - n M/(d kappa)
+    auto const excess = [&](double theta, int degree) {
+        double const speed = std::sqrt(bath / theta / fluid.m), step = dt * speed / fluid.rc;
+        Encounter const pair{fluid.d, Shardlow{fluid.gamma * dt / (fluid.m * step), fluid.weight}, 1.0, step};
+        double const memory = heat_memory(pair, decay, theta - 1.0 + decay, degree);
+        return theta - bath / chaos + n * memory / (fluid.d * decay);
+    };
+    auto const coarse = [&](double theta) { return excess(theta, lowest_degree); };
+    double const lowest = bath / chaos, highest = 1.0 + decay;
+    if (!(coarse(lowest) < 0.0 && coarse(highest) > 0.0))
+        throw std::domain_error("no temperature balances the energy of a pair with memory at this step");
+    constexpr int bits = 14;
+    std::uintmax_t evaluations = 50;
+    auto const [low, high] = boost::math::tools::toms748_solve(
+        coarse, lowest, highest, boost::math::tools::eps_tolerance<double>(bits), evaluations);
+    double theta = 0.5 * (low + high);
+    constexpr double interval = 0.01;
+    double const slope =
+        (coarse(theta * (1.0 + interval)) - coarse(theta * (1.0 - interval))) / (2.0 * interval * theta);
+    Sequence sequence;
+    sequence.add(theta);
+    for (int degree = lowest_degree + degree_step; degree <= highest_degree; degree += degree_step) {
+        theta -= excess(theta, degree) / slope;
+        sequence.add(theta);
+        if (sequence.change() < wanted * theta) break;
+    }
+    double const value = bath / sequence.limit();
+    return {chaos, value - chaos, value * sequence.change() / sequence.limit()};
+}
+// [temperature with memory]
+
 // --- the rows of the registry ------------------------------------------------------------------------------
 
 namespace {
@@ -761,9 +799,44 @@ std::vector<ClosedForm> rows_of(std::array<std::string_view, 3> const& ids) {
 
 }  // namespace
 
+namespace {
+
+TemperatureWithMemory temperature_of(Arguments const& a) {
+    return temperature_with_memory({.d = a.d(),
+                                    .n = a["n"],
+                                    .m = a["m"],
+                                    .gamma = a["gamma"],
+                                    .sigma = a["sigma"],
+                                    .rc = a["rc"],
+                                    .weight = a.weight()},
+                                   a["dt"]);
+}
+
+ClosedForm temperature_row() {
+    return {
+        .id = "memory-kT",
+        .paper = "ours",
+        .equation = "theory/memory.md",
+        .quantity = "temperature of explicit DPD with memory",
+        .formula = "eq. 22 + pair",
+        .parameters = {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight"},
+        .without_effect = {},
+        .value = [](Arguments const& a) { return temperature_of(a).value(); },
+        .defaults = {},
+        .parts = [](Arguments const& a) -> std::vector<std::pair<std::string_view, double>> {
+            auto const t = temperature_of(a);
+            return {
+                {"value", t.value()}, {"at_once", t.at_once}, {"pair", t.pair}, {"numerical_error", t.error}};
+        },
+        .costly = true};
+}
+
+}  // namespace
+
 std::vector<ClosedForm> memory_rows() {
     return joined({rows_of<Shardlow>({"memory-D", "memory-kinetic", "memory-collision"}),
-                   rows_of<Lowe>({"memory-D-lowe", "memory-kinetic-lowe", "memory-collision-lowe"})});
+                   rows_of<Lowe>({"memory-D-lowe", "memory-kinetic-lowe", "memory-collision-lowe"}),
+                   {temperature_row()}});
 }
 
 }  // namespace dpd::theory

@@ -49,4 +49,15 @@ TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermo
 TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat, double dt = 0.0,
                                           double box = std::numeric_limits<double>::infinity());
 
+/// Temperature of explicit DPD at a finite step with the memory of pairs, @eq{MY1997,22} without molecular chaos; for
+/// particles that are kicked, then moved, and matched weights. `error` is numerical, relative about 1e-4. Throws
+/// std::domain_error for a random_weight, at and beyond the critical step, and where no temperature balances.
+struct TemperatureWithMemory {
+    double at_once = 0.0;  ///< eq. 22
+    double pair = 0.0;     ///< what partners that stay take from it
+    double error = 0.0;
+    double value() const { return at_once + pair; }
+};
+TemperatureWithMemory temperature_with_memory(ExplicitDpd const& fluid, double dt);
+
 }  // namespace dpd::theory

@@ -394,3 +394,58 @@ BOOST_AUTO_TEST_CASE(registry_passes_every_parameter) {
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(heat)
+
+ExplicitDpd explicit_gas(double sigma, double gamma) {
+    return {.d = 2, .n = 0.2, .gamma = gamma, .sigma = sigma, .rc = 4.0, .weight = Weight::parabolic};
+}
+
+// Neighbours that hardly move: what an exact treatment of frozen neighbours has at first order in the step,
+// where eq. 22 has 1.55 times as much.
+BOOST_AUTO_TEST_CASE(cold_gas_is_frozen) {
+    for (double const step : {0.002, 0.004}) {
+        auto const fluid = explicit_gas(1e-4, 1.0);
+        auto const kT = temperature_with_memory(fluid, step);
+        double const bath = 0.5e-8, frozen = temperature_with_frozen_neighbours(fluid, step);
+        BOOST_TEST(kT.value() - bath == frozen - bath, boost::test_tools::tolerance(0.02));
+        BOOST_TEST(kT.at_once - bath > 1.3 * (frozen - bath));
+        BOOST_TEST(kT.at_once == temperature_at_finite_step(fluid, step),
+                   boost::test_tools::tolerance(1e-14));
+    }
+}
+
+// Neighbours that are new: eq. 22.
+BOOST_AUTO_TEST_CASE(hot_gas_is_chaos) {
+    constexpr double gamma = 0.01, sigma = 1.0, step = 1.0;
+    auto const kT = temperature_with_memory(explicit_gas(sigma, gamma), step);
+    double const bath = sigma * sigma / (2.0 * gamma);
+    BOOST_TEST(std::abs(kT.pair) < 0.01 * (kT.at_once - bath));
+}
+
+BOOST_AUTO_TEST_CASE(units_scale_and_registry) {
+    constexpr double m = 2.5, rc = 1.6, time = 0.3;
+    auto const plain = temperature_with_memory({.d = 3, .n = 3.0, .gamma = 4.5, .sigma = 3.0}, 0.02);
+    auto const scaled = temperature_with_memory({.d = 3,
+                                                 .n = 3.0 / std::pow(rc, 3),
+                                                 .m = m,
+                                                 .gamma = 4.5 * m / time,
+                                                 .sigma = 3.0 * m * rc / std::pow(time, 1.5),
+                                                 .rc = rc},
+                                                0.02 * time);
+    BOOST_TEST(scaled.value() == plain.value() * m * rc * rc / (time * time),
+               boost::test_tools::tolerance(1e-9));
+    BOOST_TEST(plain.error < 1e-4 * plain.value());
+    std::vector<std::pair<std::string, std::string>> const given{
+        {"n", "3"}, {"gamma", "4.5"}, {"sigma", "3"}, {"dt", "0.02"}};
+    BOOST_TEST(evaluate("memory-kT", given) == plain.value());
+}
+
+BOOST_AUTO_TEST_CASE(refuses_what_has_no_answer) {
+    auto fluid = explicit_gas(1.0, 1.0);
+    BOOST_CHECK_THROW(temperature_with_memory(fluid, 2.0 * critical_step(fluid)), std::domain_error);
+    fluid.random_weight = Weight::linear;
+    BOOST_CHECK_THROW(temperature_with_memory(fluid, 0.01), std::domain_error);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
