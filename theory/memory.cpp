@@ -424,7 +424,6 @@ struct Converged {
 };
 
 constexpr int lowest_degree = 6, degree_step = 4, highest_degree = 18;
-constexpr double wanted = 3e-5;  ///< relative change at which a refinement is the last
 
 double returned_collision_stress(int d, Profile const& profile, Medium const& medium, double box) {
     return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).collision_stress(); });
@@ -448,6 +447,7 @@ struct Reduced {
     double n;
     Thermostat thermostat;
     double step, box;
+    double wanted;  ///< relative change at which a refinement is the last
 
     Gas gas() const { return {.d = d, .n = n}; }
     Profile profile() const {
@@ -513,8 +513,9 @@ public:
             collision.add(memory.collision);
             relaxation.add(memory.relaxation);
             cross.add(memory.cross);
-            if (refined > 0 && 0.5 * gas_.n * relaxation.change() < wanted * gas_.stress_rate_at_once() &&
-                0.5 * square(gas_.n) * collision.change() < wanted * gas_.collision_viscosity_at_once())
+            if (refined > 0 &&
+                0.5 * gas_.n * relaxation.change() < gas_.wanted * gas_.stress_rate_at_once() &&
+                0.5 * square(gas_.n) * collision.change() < gas_.wanted * gas_.collision_viscosity_at_once())
                 break;
         }
         auto const converged = [](Sequence const& s) { return Converged{s.limit(), s.change()}; };
@@ -577,7 +578,7 @@ Converged self_consistent_friction(Reduced const& gas, Pairs& pairs, Sweep const
     for (int refined = 1; refined <= pairs.refinements(); ++refined) {
         zeta -= excess(zeta, refined) / slope;
         sequence.add(zeta);
-        if (sequence.change() < wanted * zeta) break;
+        if (sequence.change() < gas.wanted * zeta) break;
     }
     return {sequence.limit(), sequence.change()};
 }
@@ -620,10 +621,11 @@ CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, d
 
 namespace {
 
-TransportWithMemory transport(Gas const& gas, Thermostat const& reduced_thermostat, double dt, double box) {
+TransportWithMemory transport(Gas const& gas, Thermostat const& reduced_thermostat, double dt, double box,
+                              double wanted) {
     int const d = gas.d;
     double const speed = std::sqrt(gas.kT / gas.m), n = gas.n * std::pow(gas.rc, d);
-    Reduced const reduced{d, n, reduced_thermostat, dt * speed / gas.rc, box / gas.rc};
+    Reduced const reduced{d, n, reduced_thermostat, dt * speed / gas.rc, box / gas.rc, wanted};
     Pairs pairs(reduced);
 
     // [diffusion with memory]
@@ -684,16 +686,18 @@ void check_gas(Gas const& gas, char const* strength, double value, double dt, do
 
 }  // namespace
 
-TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt, double box) {
+TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt, double box,
+                                          double wanted) {
     check_gas(gas, "gamma", thermostat.gamma, dt, box);
     Shardlow reduced = thermostat;
     reduced.gamma *= gas.rc / std::sqrt(gas.m * gas.kT);
-    return transport(gas, reduced, dt, box);
+    return transport(gas, reduced, dt, box, wanted);
 }
 
-TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat, double dt, double box) {
+TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat, double dt, double box,
+                                          double wanted) {
     check_gas(gas, "Gamma", thermostat.Gamma, dt, box);
-    return transport(gas, Lowe{thermostat.Gamma * gas.rc * std::sqrt(gas.m / gas.kT)}, dt, box);
+    return transport(gas, Lowe{thermostat.Gamma * gas.rc * std::sqrt(gas.m / gas.kT)}, dt, box, wanted);
 }
 
 // [temperature with memory]
@@ -725,6 +729,7 @@ TemperatureWithMemory temperature_with_memory(ExplicitDpd const& fluid, double d
     Sequence sequence;
     sequence.add(theta);
     for (int degree = lowest_degree + degree_step; degree <= highest_degree; degree += degree_step) {
+        constexpr double wanted = 3e-5;  // relative change at which a refinement is the last
         theta -= excess(theta, degree) / slope;
         sequence.add(theta);
         if (sequence.change() < wanted * theta) break;

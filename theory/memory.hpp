@@ -40,18 +40,22 @@ struct TransportWithMemory {
 };
 
 /// The three coefficients at a step dt, or for dt = 0 in continuous time, numerically within about 1e-4 (see
-/// `error`). Units as in closed_forms.hpp. `box` as above. Takes a second or two. With Scheme::linear throws
-/// std::domain_error for gamma dt/m > 1.
+/// `error`). Units as in closed_forms.hpp. `box` as above. Refines until a refinement changes less than the
+/// share `wanted` of a coefficient; takes some seconds. With Scheme::linear throws std::domain_error for
+/// gamma dt/m > 1.
 TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt = 0.0,
-                                          double box = std::numeric_limits<double>::infinity());
+                                          double box = std::numeric_limits<double>::infinity(),
+                                          double wanted = 3e-5);
 /// The same for Lowe-Andersen, up to one update of a pair per step: throws std::domain_error for Gamma dt
 /// > 1.
 TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat, double dt = 0.0,
-                                          double box = std::numeric_limits<double>::infinity());
+                                          double box = std::numeric_limits<double>::infinity(),
+                                          double wanted = 3e-5);
 
-/// Temperature of explicit DPD at a finite step with the memory of pairs, @eq{MY1997,22} without molecular chaos; for
-/// particles that are kicked, then moved, and matched weights. `error` is numerical, relative about 1e-4. Throws
-/// std::domain_error for a random_weight, at and beyond the critical step, and where no temperature balances.
+/// Temperature of explicit DPD at a finite step with the memory of pairs, @eq{MY1997,22} without molecular
+/// chaos; for particles that are kicked, then moved, and matched weights. `error` is numerical, relative
+/// about 1e-4. Throws std::domain_error for a random_weight, at and beyond the critical step, and where no
+/// temperature balances.
 struct TemperatureWithMemory {
     double at_once = 0.0;  ///< eq. 22
     double pair = 0.0;     ///< what partners that stay take from it

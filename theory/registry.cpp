@@ -106,6 +106,19 @@ ClosedForm const* find(std::string_view id) {
     return found == all_forms().end() ? nullptr : &*found;
 }
 
+std::string_view with_memory(std::string_view id) {
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> pairs{
+        {{"my22", "memory-kT"},
+         {"ng8", "memory-kinetic"},
+         {"ng8-lowe", "memory-kinetic-lowe"},
+         {"ng12", "memory-collision"},
+         {"ng12-lowe", "memory-collision-lowe"},
+         {"ng17", "memory-D"},
+         {"ng17-lowe", "memory-D-lowe"}}};
+    auto const found = std::ranges::find(pairs, id, &std::pair<std::string_view, std::string_view>::first);
+    return found == pairs.end() ? std::string_view() : found->second;
+}
+
 std::optional<std::string_view> ClosedForm::default_text(Parameter const& parameter) const {
     auto const own = std::ranges::find(defaults, parameter.name, [](auto const& pair) { return pair.first; });
     return own == defaults.end() ? parameter.default_text : own->second;

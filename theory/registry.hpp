@@ -80,6 +80,9 @@ std::span<ClosedForm const> closed_forms();
 /// The closed form of that id, or nullptr.
 ClosedForm const* find(std::string_view id);
 
+/// The form with memory (theory/memory.md) of what `id` says under molecular chaos; empty for ids that have none.
+std::string_view with_memory(std::string_view id);
+
 /// The value of a closed form and, where it has them, its parts after it, as ClosedForm::parts. Throws as
 /// evaluate.
 std::vector<std::pair<std::string_view, double>> evaluate_parts(

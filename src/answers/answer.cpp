@@ -14,6 +14,7 @@
 #include "conventions.hpp"
 #include "errors.hpp"
 #include "names.hpp"
+#include "theory/registry.hpp"
 #include "theory_arguments.hpp"
 
 namespace dpd {
@@ -295,6 +296,12 @@ std::string closed_form_text(std::string const& id, Json const& reduced, Assignm
     std::map<std::string, std::string> arguments;
     for (auto const& [key, value] : reduced.items())
         if (!value.is_array()) arguments[key] = text_of(value);
+    if (reduced.contains("L")) {  // of a box that is no cube, the cube of the same volume
+        double volume = 1.0;
+        for (auto const& side : reduced["L"]) volume *= side.get<double>();
+        arguments["box"] =
+            fmt::format("{}", std::pow(volume, 1.0 / static_cast<double>(reduced["L"].size())));
+    }
     for (auto const& [key, value] : asked) arguments[key] = value;
     if (arguments.contains("sigma"))
         arguments["sigma"] = fmt::format("{}", std::sqrt(2.0 * std::stod(arguments["gamma"])));
@@ -376,6 +383,10 @@ std::string answer_text(std::string const& answers, std::vector<std::string> con
             if (other)
                 text += fmt::format(" (as asked: {})",
                                     closed_form_text(form["id"], reduced, asked, in_asked.value_or(1.0)));
+            if (auto const id = theory::with_memory(form["id"].get<std::string>()); !id.empty())
+                text +=
+                    fmt::format(", {} = {}", id,
+                                closed_form_text(std::string(id), reduced, asked, in_asked.value_or(1.0)));
         }
         text += "\n";
     }

@@ -24,6 +24,7 @@ struct Command {
 
 // theory_commands.cpp
 Command theory(CLI::App& app);
+Command tune(CLI::App& app);
 Command convert(CLI::App& app);
 
 // scene_commands.cpp

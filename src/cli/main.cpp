@@ -42,8 +42,8 @@ int dispatch(int argc, char** argv) {
                                                   engine_revision, compiler, build_flags));
     app.require_subcommand(1);
     std::vector<Command> commands;
-    for (auto const add : {theory, convert, run, export_scene, figure, stability, work_precision, answers,
-                           answer, exact, compare, report})
+    for (auto const add : {theory, tune, convert, run, export_scene, figure, stability, work_precision,
+                           answers, answer, exact, compare, report})
         commands.push_back(add(app));
     try {
         app.parse(argc, argv);

@@ -1,12 +1,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.hpp"
 #include "conventions.hpp"
+#include "errors.hpp"
 #include "theory/registry.hpp"
+#include "theory/tune.hpp"
 
 namespace dpd::cli {
 namespace {
@@ -53,6 +61,96 @@ void evaluate_theory(std::string const& id, std::vector<std::string> const& assi
         fmt::print("{}, {} eq. {}: {}\n{:.12g}\n", form.quantity, form.paper, form.equation, form.formula,
                    parts.front().second);
     }
+}
+
+// --- tune ------------------------------------------------------------------------------------------------
+
+// How far the simulation was from the theory with memory in the cells that it was predicted for.
+struct Deviations {
+    std::vector<double> of;
+    double median() {
+        std::ranges::nth_element(of, of.begin() + of.size() / 2);
+        return of[of.size() / 2];
+    }
+    double largest() const { return *std::ranges::max_element(of); }
+};
+
+std::map<std::string, Deviations> measured_deviations() {
+    std::ifstream file(data_path("figures/work-precision/data/map-memory.json"));
+    if (!file) return {};
+    std::map<std::string, Deviations> deviations;
+    for (auto const& c : Json::parse(file)["comparisons"])
+        if (c["theory"].get<std::string>().starts_with("memory-"))
+            deviations[c["quantity"]].of.push_back(
+                std::abs(c["value"].get<double>() / c["theory_value"].get<double>() - 1.0));
+    return deviations;
+}
+
+void tune_fluid(std::vector<std::string> const& assignments, bool json) {
+    namespace th = dpd::theory;
+    // the fluid's parameters as the closed forms take them, and beside them what is wanted
+    th::Wanted wanted;
+    std::vector<std::pair<std::string, std::string>> fluid;
+    for (auto const& [name, text] : split(assignments)) {
+        std::optional<double>* const target = name == "eta"  ? &wanted.viscosity
+                                              : name == "D"  ? &wanted.diffusion_constant
+                                              : name == "Sc" ? &wanted.schmidt_number
+                                              : name == "dt" ? &wanted.dt
+                                                             : nullptr;
+        if (target == nullptr) {
+            fluid.emplace_back(name, text);
+            continue;
+        }
+        if (*target) throw InputError(fmt::format("tune: {} is given twice; allowed: once", name));
+        double value = 0.0;
+        auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error != std::errc() || end != text.data() + text.size() || !(value > 0.0) ||
+            !std::isfinite(value))
+            throw InputError(fmt::format("tune: {} is '{}'; allowed: > 0", name, text));
+        *target = value;
+    }
+    static th::ClosedForm const form{.id = "tune",
+                                     .paper = {},
+                                     .equation = {},
+                                     .quantity = {},
+                                     .formula = {},
+                                     .parameters = {"d", "n", "m", "kT", "rc", "box", "weight", "scheme"},
+                                     .without_effect = {},
+                                     .value = nullptr};
+    th::Arguments const a(form, fluid);
+    th::Gas const gas{.d = a.d(), .n = a["n"], .m = a["m"], .kT = a["kT"], .rc = a["rc"]};
+    double const box = a["box"] > 0.0 ? a["box"] : std::numeric_limits<double>::infinity();
+    th::Tuned const tuned = th::tune(gas, wanted, a.weight(), a.scheme(), box);
+    auto const& [D, kinetic, collision] = tuned.transport;
+    auto deviations = measured_deviations();
+    if (json) {
+        Json result{{"gamma", tuned.gamma},
+                    {"dt", tuned.dt},
+                    {"viscosity", tuned.viscosity()},
+                    {"kinetic_viscosity", kinetic.value()},
+                    {"collision_viscosity", collision.value()},
+                    {"diffusion_constant", D.value()},
+                    {"schmidt_number", tuned.schmidt_number(gas)}};
+        for (auto& [quantity, deviation] : deviations)
+            result["deviation"][quantity] = {{"median", deviation.median()},
+                                             {"largest", deviation.largest()}};
+        fmt::print("{}\n", result.dump());
+        return;
+    }
+    fmt::print("gamma = {:.4g}, dt = {:.4g}\n", tuned.gamma, tuned.dt);
+    auto const line = [&](char const* name, std::string const& quantity, double value, double chaos) {
+        fmt::print("  {:<22} {:<9.4g} molecular chaos: {:<9.4g}", name, value, chaos);
+        if (deviations.contains(quantity))
+            fmt::print(" simulation was off by {:.1f} % (median), {:.1f} % (largest)",
+                       100.0 * deviations[quantity].median(), 100.0 * deviations[quantity].largest());
+        fmt::print("\n");
+    };
+    line("kinetic viscosity", "kinetic_viscosity", kinetic.value(), kinetic.at_once);
+    line("collision viscosity", "collision_viscosity", collision.value(), collision.at_once);
+    line("their sum, eta", "", tuned.viscosity(), kinetic.at_once + collision.at_once);
+    line("diffusion constant, D", "diffusion_constant", D.value(), D.at_once);
+    line("Schmidt number, Sc", "", tuned.schmidt_number(gas),
+         (kinetic.at_once + collision.at_once) / (gas.n * gas.m * D.at_once));
 }
 
 // --- convert ---------------------------------------------------------------------------------------------
@@ -102,6 +200,23 @@ Command theory(CLI::App& app) {
                     list_theory(options->json);
                 else
                     evaluate_theory(options->id, options->assignments, options->json);
+                return exit_done;
+            }};
+}
+
+Command tune(CLI::App& app) {
+    struct Options {
+        std::vector<std::string> assignments;
+        bool json = false;
+    };
+    auto const options = std::make_shared<Options>();
+    auto* const command =
+        app.add_subcommand("tune", "friction and step of an ideal S1 gas for a wanted eta, D or Sc");
+    command->add_option("parameters", options->assignments, "key=value ...: two of eta, D, Sc, dt; n; others")
+        ->required();
+    command->add_flag("--json", options->json, "print JSON");
+    return {command, [options] {
+                tune_fluid(options->assignments, options->json);
                 return exit_done;
             }};
 }

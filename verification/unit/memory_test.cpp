@@ -14,6 +14,7 @@
 #include "theory/closed_forms.hpp"
 #include "theory/encounter.hpp"
 #include "theory/registry.hpp"
+#include "theory/tune.hpp"
 
 using namespace dpd;
 using namespace dpd::theory;
@@ -446,6 +447,29 @@ BOOST_AUTO_TEST_CASE(refuses_what_has_no_answer) {
     BOOST_CHECK_THROW(temperature_with_memory(fluid, 2.0 * critical_step(fluid)), std::domain_error);
     fluid.random_weight = Weight::linear;
     BOOST_CHECK_THROW(temperature_with_memory(fluid, 0.01), std::domain_error);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(tuning)
+
+// What the theory says of a fluid leads back to it.
+BOOST_AUTO_TEST_CASE(finds_the_friction_of_a_fluid) {
+    Gas const gas{.n = 3.0};
+    auto const c = transport_with_memory(gas, Shardlow{.gamma = 9.0}, 0.01);
+    double const eta = c.kinetic_viscosity.value() + c.collision_viscosity.value();
+    auto const tuned = tune(gas, {.viscosity = eta, .dt = 0.01});
+    BOOST_TEST(tuned.gamma == 9.0, boost::test_tools::tolerance(0.005));
+    BOOST_TEST(tuned.viscosity() == eta, boost::test_tools::tolerance(0.004));
+    BOOST_TEST(tuned.schmidt_number(gas) == eta / (3.0 * c.diffusion_constant.value()),
+               boost::test_tools::tolerance(0.01));
+}
+
+BOOST_AUTO_TEST_CASE(refuses_what_has_no_answer) {
+    Gas const gas{.n = 3.0};
+    BOOST_CHECK_THROW(tune(gas, {.viscosity = 1.0}), std::invalid_argument);
+    BOOST_CHECK_THROW(tune(gas, {.viscosity = 1.0, .schmidt_number = 3.0, .dt = 0.1}), std::invalid_argument);
+    BOOST_CHECK_THROW(tune(gas, {.viscosity = -1.0, .dt = 0.1}), std::invalid_argument);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
