@@ -79,7 +79,8 @@ std::map<std::string, Deviations> measured_deviations() {
     std::ifstream file(data_path("figures/work-precision/data/map-memory.json"));
     if (!file) return {};
     std::map<std::string, Deviations> deviations;
-    for (auto const& c : Json::parse(file)["comparisons"])
+    Json const content = Json::parse(file);
+    for (auto const& c : content["comparisons"])
         if (c["theory"].get<std::string>().starts_with("memory-"))
             deviations[c["quantity"]].of.push_back(
                 std::abs(c["value"].get<double>() / c["theory_value"].get<double>() - 1.0));

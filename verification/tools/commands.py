@@ -85,7 +85,8 @@ RULES = [
      "dpdref figure my1 --budget paper --jobs 1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'", "syntax"),
     (r"dpdref theory ID key=value \.\.\.", "dpdref theory ng10 n=3 gamma=9", "syntax"),
     (r"(dpdref theory) ([\w-]+)", r"\1 | grep '^\2 '", NAMED),
-    (r"(dpdref (?:run|figure|compare|export lammps))", r"\1 --help", NAMED),
+    (r"(dpdref tune) eta=.* Sc=.*", r"\1 eta=1.5 n=3 2>&1 | grep allowed", f"{LONG}; reads the arguments only"),
+    (r"(dpdref (?:run|figure|compare|export lammps|tune))", r"\1 --help", NAMED),
     (r"(dpdref compare) \S+ (--answer (\S+))",
      r"(echo quantity,value,error,blocks; grep '^\3,' figures/answers/answers.csv | cut -d, -f2-5) > build/own.csv && "
      r"\1 build/own.csv \2",

@@ -1,21 +1,28 @@
-# Deviation of the simulation from the theory with memory, cell by cell; grey: what was expected beforehand, 8 %.
-stats data index 0 nooutput
-cells = 23
-quantities = "kinetic_viscosity collision_viscosity diffusion_constant"
+# Deviation of the simulation from the theory with memory, cell by cell; grey: what was expected beforehand, 8 %. One line of
+# the picture is one cell; two of them are points of parts with the same name.
+list = "d=3_n=0.5_linear_dt=0.1 d=3_n=0.5_quadratic_dt=0.05 d=3_n=0.5_constant_dt=0.2 d=3_n=0.5_root_dt=0.02 d=3_n=2.0_linear_dt=0.5 d=3_n=2.0_linear_dt=0.05 d=3_n=2.0_quadratic_dt=0.1 d=3_n=2.0_constant_dt=0.02 d=3_n=2.0_root_dt=0.2 d=3_n=6.0_linear_dt=0.5 d=3_n=6.0_linear_dt=0.1 d=3_n=6.0_quadratic_dt=0.2 d=3_n=6.0_constant_dt=0.05 d=3_n=6.0_root_dt=0.1 d=2_n=0.5_linear_dt=0.5 d=2_n=2.0_linear_dt=0.05 d=2_n=2.0_quadratic_dt=0.2 d=2_n=6.0_constant_dt=0.1 d=2_n=6.0_root_dt=0.02 d=3_n=2.0_lowe_dt=0.1 d=3_n=6.0_lowe_dt=0.05 d=3_n=2.0_linear_dt=0.1"
+curve(c) = system("echo '".word(list, c)."' | tr _ ' '")
+suffix(c) = strstrt(word(list, c), "lowe") ? "-lowe" : ""
+quantity(q) = word("kinetic_viscosity collision_viscosity diffusion_constant", q)
+part(c, q) = curve(c).":".quantity(q).":memory-".word("kinetic collision D", q).suffix(c)
 array colour[3] = [red, blue, green]
 array mark[3] = [7, 5, 9]
+cells = words(list)
 
 set multiplot
 set border 31 lw 1.2
-set label 10 title_text at screen 0.53,0.975 center
+set label 10 title_text at screen 0.53,0.972 center
+set label 1 caption at screen 0.025,0.075 noenhanced font ",".caption_size
 set lmargin at screen 0.36; set rmargin at screen 0.97
-set tmargin at screen 0.90; set bmargin at screen 0.16
-set yrange [cells+0.6:0.4]; set xrange [-15:15]
-set xlabel "simulation over theory, less 1, %" offset 0,0.4
-set ytics scale 0 () font ",".(caption_size - 2)
-do for [c=1:cells] { set ytics add (word_of(c) c) }
-set object 1 rectangle from -8,0.4 to 8,cells+0.6 fc rgb "#eeeeee" fs solid noborder behind
-set key outside top center horizontal samplen 1
-plot for [q=1:3] for [c=1:cells] data index part(c, q) using (100*$5):(c + 0.22*(q-2)):(100*$6) with xerrorbars pt mark[q] ps 0.8 lw 1.5 lc rgb colour[q] notitle, \
-     NaN with points pt 7 lc rgb red title "kinetic viscosity", NaN with points pt 5 lc rgb blue title "collision viscosity", NaN with points pt 9 lc rgb green title "D", \
-     "+" using (0):($0) with lines lc rgb grey notitle
+set tmargin at screen 0.93; set bmargin at screen 0.20
+set yrange [cells+0.7:0.3]; set xrange [-15:25]
+set xlabel "simulation over theory, less 1 (%)" offset 0,0.4
+unset mytics
+set ytics scale 0 () font ",".(caption_size - 1)
+do for [c=1:cells] { set ytics add (curve(c) c) }
+set object 1 rectangle from -8,0.3 to 8,cells+0.7 fc rgb "#eeeeee" fs solid noborder behind
+set arrow 1 from 0,0.3 to 0,cells+0.7 nohead lc rgb grey back
+set key inside top right vertical samplen 1
+plot for [q=1:3] for [c=1:cells] data index part(c, q) using (100*$5):(c + 0.24*(q-2)):(100*$6) with xerrorbars pt mark[q] ps 0.8 lw 1.5 lc rgb colour[q] notitle, \
+     NaN with points pt 7 lc rgb red title "kinetic viscosity", NaN with points pt 5 lc rgb blue title "collision viscosity", NaN with points pt 9 lc rgb green title "D"
+unset multiplot
