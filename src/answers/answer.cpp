@@ -384,9 +384,9 @@ std::string answer_text(std::string const& answers, std::vector<std::string> con
                 text += fmt::format(" (as asked: {})",
                                     closed_form_text(form["id"], reduced, asked, in_asked.value_or(1.0)));
             if (auto const id = theory::with_memory(form["id"].get<std::string>()); !id.empty())
-                text +=
-                    fmt::format(", {} = {}", id,
-                                closed_form_text(std::string(id), reduced, asked, in_asked.value_or(1.0)));
+                text += fmt::format(", {} = {}{}", id,
+                                    closed_form_text(std::string(id), reduced, asked, in_asked.value_or(1.0)),
+                                    other ? " (as asked)" : "");
         }
         text += "\n";
     }
