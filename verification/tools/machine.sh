@@ -80,6 +80,9 @@ inside() {
 test_on_arm() {
     wanted=$(sed -n '/^packages="/,/"$/p' verification/fresh.sh | tr -c 'a-z0-9.+-' '\n' | grep -E '^(lib|nlohmann).*-dev$' | paste -sd,)
     make_root --arch=arm64 --variant=extract --include="libc6-dev,libstdc++-12-dev,$wanted"
+    # its absolute links, as that of libm.so, mean files of the root
+    # shellcheck disable=SC2016 # of the inner shell
+    find "$root/usr/lib" -lname '/*' -exec sh -c 'for link; do ln -snf "$0$(readlink "$link")" "$link"; done' "$root" {} +
     git clone -q "$repository" "$scratch/dpdref" || impossible "no clone"
     echo "machine.sh: cross build for arm64"
     (
