@@ -51,7 +51,7 @@ std::string quoted(std::string const& plain) {
         if (code >= 0x80 || std::isalnum(code) || harmless.find(c) != std::string_view::npos)
             q += c;
         else
-            q += fmt::format("\\{:03o}", code);
+            q += fmt::format("\\0{:03o}", code);  // gnuplot takes four digits where the first is 0
     }
     return q + "\"";
 }

@@ -230,3 +230,15 @@ BOOST_AUTO_TEST_CASE(gnuplot_finds_nothing_to_execute) {
         BOOST_TEST(!fs::exists(victim));
     }
 }
+
+// Every character, also before a digit that an escape could swallow.
+BOOST_AUTO_TEST_CASE(gnuplot_has_texts_as_they_are) {
+    Directory const directory;
+    put(directory.path / "style.gp", "");
+    put(directory.path / "plot.gp", "set print said\nprint text\nset print\nplot x\n");
+    std::string text;
+    for (char c = ' '; c <= '~'; ++c) text += {c, '7', c, '0', c};
+    draw(directory.path / "picture", directory.path / "plot.gp",
+         fmt::format("text = {}\nsaid = {}\n", dpd::quoted(text), quoted_path(directory.path / "said")));
+    BOOST_TEST(read_file(directory.path / "said") == text + "\n");
+}
