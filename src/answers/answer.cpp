@@ -40,6 +40,7 @@ struct Units {
     double length = 1.0, mass = 1.0, energy = 1.0;
 
     double time() const { return length * std::sqrt(mass / energy); }
+    bool operator==(Units const&) const = default;
 };
 
 // The unit of a parameter in d dimensions; 1 for what has none.
@@ -142,12 +143,12 @@ Query own_query(Json const& states, std::vector<std::string> const& words) {
         for (auto const& [key, value] : state["parameters"].items())
             if (!value.is_array()) known.insert(key);
     if (known.contains("gamma")) known.insert("sigma");
-    for (auto const& word : words)
-        if (word.find('=') == std::string::npos || !known.contains(word.substr(0, word.find('='))))
-            throw InputError(fmt::format(
-                "answer: {}: not allowed; allowed: the id of one state point, or key=value with {}", word,
-                fmt::join(known, ", ")));
     Assignments const given = assignments_of(words);
+    for (auto const& [key, value] : given)
+        if (!known.contains(key))
+            throw InputError(fmt::format(
+                "answer: {}={}: not allowed; allowed: the id of one state point, or key=value with {}", key,
+                value, fmt::join(known, ", ")));
     Query query;
     std::map<std::string, double> numbers;
     for (auto const& [key, value] : given)
@@ -354,7 +355,7 @@ std::string answer_text(std::string const& answers, std::vector<std::string> con
                        parameters_text(parameters));
     if (code)
         text += fmt::format("  {}\n", parameters_of(*code, units, scaled));
-    else if (units.length != own.length || units.mass != own.mass || units.energy != own.energy)
+    else if (units != own)
         text += fmt::format("  in your units, as all values below:{}\n", parameters_text(scaled));
     if (!integrator.empty() && integrator != text_of(parameters["integrator"]))
         text += fmt::format("  moved by {}; {} moves by {}, which was not measured for this fluid\n",
@@ -370,9 +371,8 @@ std::string answer_text(std::string const& answers, std::vector<std::string> con
         }
     for (auto const& [name, quantity] : state["quantities"].items()) {
         auto const in_own = unit_of(name, own, d), in_asked = unit_of(name, units, d);
-        bool const same = units.length == own.length && units.mass == own.mass && units.energy == own.energy;
-        if (!same && !in_own) continue;
-        double const unit = same ? 1.0 : *in_asked / *in_own;
+        if (units != own && !in_own) continue;
+        double const unit = units == own ? 1.0 : *in_asked / *in_own;
         text += fmt::format("  {:<30} {:>14.6g} +- {:<9.2g} ({} blocks)", name,
                             unit * quantity["value"].get<double>(), unit * quantity["error"].get<double>(),
                             quantity["blocks"].get<std::uint64_t>());
