@@ -395,6 +395,25 @@ Sweep within_sweep(int d, double n, Profile const& profile, double decay, double
 // -----------------------------------------------------------------------------------------------------------
 // Closure; m = kT = rc = 1
 
+struct ZeroAndSlope {
+    double zero, slope;
+};
+
+/// The zero of a function between two bounds, to 14 bits, and its slope there: with the slope of a coarse
+/// function a step of Newton's finds the zero of a finer one.
+template <class Function>
+ZeroAndSlope zero_and_slope(Function const& function, double lowest, double highest) {
+    constexpr int bits = 14;
+    std::uintmax_t evaluations = 50;
+    auto const [low, high] = boost::math::tools::toms748_solve(
+        function, lowest, highest, boost::math::tools::eps_tolerance<double>(bits), evaluations);
+    double const zero = 0.5 * (low + high);
+    constexpr double interval = 0.01;
+    double const slope =
+        (function(zero * (1.0 + interval)) - function(zero * (1.0 - interval))) / (2.0 * interval * zero);
+    return {zero, slope};
+}
+
 /// A number that gets better with the degree of the polynomials.
 class Sequence {
 public:
@@ -561,18 +580,9 @@ Converged self_consistent_friction(Reduced const& gas, Pairs& pairs, Sweep const
         return pair_friction(gas, pairs, zeta, refined) - in_sweep -
                zeta * (1.0 + gas.returned_friction(zeta));
     };
-    // with few polynomials between bounds ...
+    // with few polynomials between bounds, then with more, which changes little
     constexpr double smallest = 0.02;
-    constexpr int bits = 14;
-    std::uintmax_t evaluations = 50;
-    auto const coarse = [&](double zeta) { return excess(zeta, 0); };
-    auto const [low, high] = boost::math::tools::toms748_solve(
-        coarse, smallest * at_once, at_once, boost::math::tools::eps_tolerance<double>(bits), evaluations);
-    double zeta = 0.5 * (low + high);
-    // ... then with more, which changes little, along the slope of the coarse one
-    constexpr double interval = 0.01;
-    double const slope =
-        (coarse(zeta * (1.0 + interval)) - coarse(zeta * (1.0 - interval))) / (2.0 * interval * zeta);
+    auto [zeta, slope] = zero_and_slope([&](double x) { return excess(x, 0); }, smallest * at_once, at_once);
     Sequence sequence;
     sequence.add(zeta);
     for (int refined = 1; refined <= pairs.refinements(); ++refined) {
@@ -718,14 +728,7 @@ TemperatureWithMemory temperature_with_memory(ExplicitDpd const& fluid, double d
     double const lowest = bath / chaos, highest = 1.0 + decay;
     if (!(coarse(lowest) < 0.0 && coarse(highest) > 0.0))
         throw std::domain_error("no temperature balances the energy of a pair with memory at this step");
-    constexpr int bits = 14;
-    std::uintmax_t evaluations = 50;
-    auto const [low, high] = boost::math::tools::toms748_solve(
-        coarse, lowest, highest, boost::math::tools::eps_tolerance<double>(bits), evaluations);
-    double theta = 0.5 * (low + high);
-    constexpr double interval = 0.01;
-    double const slope =
-        (coarse(theta * (1.0 + interval)) - coarse(theta * (1.0 - interval))) / (2.0 * interval * theta);
+    auto [theta, slope] = zero_and_slope(coarse, lowest, highest);
     Sequence sequence;
     sequence.add(theta);
     for (int degree = lowest_degree + degree_step; degree <= highest_degree; degree += degree_step) {
