@@ -116,8 +116,7 @@ struct Query {
     std::string integrator;  // of the code whose parameters these are: others count as far, not as wrong
 };
 
-std::string const& value_in(Assignments const& assignments, std::string_view key,
-                            std::string const& fallback) {
+std::string value_in(Assignments const& assignments, std::string_view key, std::string const& fallback) {
     for (auto const& [name, value] : assignments)
         if (name == key) return value;
     return fallback;
@@ -213,12 +212,12 @@ Query foreign_query(Code const& code, std::vector<std::string> const& words) {
         query.asked.emplace_back(key, fmt::format("{}", value / parameter_unit(key, query.units, query.d)));
     };
     query.asked.emplace_back("d", value_in(own, "d", "3"));
-    if (auto const& density = value_in(own, "n", ""); !density.empty()) ask("n", asked_number("n", density));
+    if (auto const density = value_in(own, "n", ""); !density.empty()) ask("n", asked_number("n", density));
     ask("a", fluid.a);
     ask("gamma", fluid.gamma);
     if (fluid.dt) ask("dt", *fluid.dt);
     query.asked.emplace_back("weight", name_of(fluid.weight));
-    if (auto const& integrator = value_in(own, "integrator", ""); !integrator.empty())
+    if (auto const integrator = value_in(own, "integrator", ""); !integrator.empty())
         query.asked.emplace_back("integrator", integrator);
     else
         query.integrator = integrator_of(code.mover);
