@@ -2,6 +2,7 @@
 
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <numbers>
+#include <stdexcept>
 
 namespace dpd::theory {
 
@@ -39,9 +40,13 @@ double volume_integral(int d, double rc, std::function<double(double)> const& f)
     // at a large gamma dt/m has a boundary layer there.
     static boost::math::quadrature::tanh_sinh<double> quadrature;  // its lazily grown table is locked
     constexpr double tolerance = 1e-12;
-    double const radial =
-        quadrature.integrate([&](double x) { return std::pow(x, d - 1) * f(rc * x); }, 0.0, 1.0, tolerance);
-    return unit_sphere_surface(d) * std::pow(rc, d) * radial;
+    try {
+        double const radial = quadrature.integrate([&](double x) { return std::pow(x, d - 1) * f(rc * x); },
+                                                   0.0, 1.0, tolerance);
+        return unit_sphere_surface(d) * std::pow(rc, d) * radial;
+    } catch (boost::math::evaluation_error const&) {
+        throw std::domain_error("no finite value: a parameter is too large or too small");
+    }
 }
 // [volume integral]
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfenv>
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
@@ -201,10 +202,13 @@ std::vector<std::pair<std::string_view, double>> evaluate_parts(
     }
     Arguments const arguments(*form, given);
     using Parts = std::vector<std::pair<std::string_view, double>>;
+    std::feclearexcept(FE_OVERFLOW | FE_UNDERFLOW);
     auto const parts = form->parts ? form->parts(arguments) : Parts{{"value", form->value(arguments)}};
-    if (!std::isfinite(parts.front().second))
+    // a zero that is what is left of a number too large or too small on the way is no value
+    bool const lost = parts.front().second == 0.0 && std::fetestexcept(FE_OVERFLOW | FE_UNDERFLOW) != 0;
+    if (lost || !std::isfinite(parts.front().second))
         throw std::domain_error(std::string(id) +
-                                " is not finite there: a parameter is too large or too small");
+                                " has no finite value there: a parameter is too large or too small");
     return parts;
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "errors.hpp"
+#include "size.hpp"
 
 using namespace dpd;
 
@@ -332,6 +333,39 @@ BOOST_AUTO_TEST_CASE(a_kick_needs_its_impulses_first) {
     BOOST_TEST(complaint([] { parse_scene(scene_of("'euler', 'drift', 'kick'"), "f.toml"); }) == "");
     check_message(complaint([] { parse_scene(scene_of("'kick', 'drift', 'euler'"), "f.toml"); }),
                   "f.toml:2: stages: ", {"kick", "euler"});
+}
+
+// --- sizes -----------------------------------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(a_run_that_does_not_fit_names_its_largest_part) {
+    auto const said = [](std::vector<std::string> const& assignments) {
+        return complaint([&] {
+            parse_scene(scene_of("'shardlow', 'sample', 'drift'", "'kinetic_temperature'"), "f.toml",
+                        assignments);
+        });
+    };
+    // lags and samples that take these shares of the memory; the particles take next to nothing
+    auto const of_shares = [&](double lags, double samples) {
+        std::string const longest = std::to_string(lags * memory_at_hand() / bytes_per_lag);
+        return said({"time.step=1",
+                     "time.duration=" + std::to_string(samples * memory_at_hand() / sizeof(double)),
+                     "sample.mean_square_displacement={longest=" + longest + ", origins=" + longest + "}"});
+    };
+    std::string const longest =
+                          "--set sample.mean_square_displacement: sample.mean_square_displacement.longest: ",
+                      interval = "f.toml:7: sample.interval: ";
+    BOOST_TEST(of_shares(0.4, 0.3) == "");
+    check_message(of_shares(1.1, 1.3), longest, {"lags", "bytes", "allowed"});
+    check_message(of_shares(0.3, 1.1), interval, {"samples", "bytes of", "of the whole run", "allowed"});
+    // each of them fits
+    check_message(of_shares(0.7, 0.5), longest, {"lags", "of the whole run"});
+    check_message(of_shares(0.5, 0.7), interval, {"samples", "of the whole run"});
+    // more cells than are counted, and sides whose product is no number
+    for (char const* length : {"[1e12, 2, 2]", "[2, 2, 1e12]"})
+        check_message(said({"dimension=3", std::string("box.length=") + length}),
+                      "--set box.length: box.length: ", {"cells", "bytes", "allowed"});
+    check_message(said({"dimension=3", "box.length=[1e103, 1e103, 1e103]"}),
+                  "--set box.length: box.length: ", {"no number", "allowed"});
 }
 
 // --- the stages of soft fluids ---------------------------------------------------------------------------
