@@ -4,7 +4,9 @@
 usage: cost.py DPDREF              the table
        cost.py DPDREF --scaling    the soft fluid with S1 from 3000 to 3 million particles, and at three densities
        cost.py OLD NEW             two builds, run in turn: NEW's time over OLD's, and whether they did the same
+       cost.py OLD NEW --instructions   the same once, NEW's instructions over OLD's: no noise, where times cannot decide
 
+Instructions are counted by valgrind, which stands for a processor with AVX2; their count says nothing about waiting for memory.
 Times are CPU times of whole processes, the median of the repetitions and their range. All scenes take their turn
 before one is repeated, so that a slow minute of the machine falls on all. The counters are exact. Python's
 standard library only.
@@ -14,6 +16,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import statistics
 import subprocess
 import sys
@@ -77,9 +80,22 @@ SCALING = [(f"{number:,} particles", number, 3) for number in (3000, 30000, 3000
           [(f"24,000 particles, density {density}", 24000, density) for density in (1, 3, 10)]
 
 
+def command_of(program, assignments):
+    return [program, "run", str(SCENE), "--json", *(word for a in assignments for word in ("--set", a))]
+
+
+def count(program, assignments):
+    """(what --json prints, instructions); nothing where the program does not know the scene"""
+    valgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
+    done = subprocess.run(valgrind + command_of(program, assignments), capture_output=True, text=True)
+    if done.returncode != 0:
+        return None
+    return json.loads(done.stdout), int(re.search(r"Collected : (\d+)", done.stderr)[1])
+
+
 def run(program, assignments):
     """(what --json prints, CPU seconds); nothing where the program does not know the scene"""
-    command = [program, "run", str(SCENE), "--json", *(word for a in assignments for word in ("--set", a))]
+    command = command_of(program, assignments)
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         output = process.stdout.read()
         _, status, usage = os.wait4(process.pid, 0)
@@ -130,6 +146,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--only", default="", metavar="TEXT", help="scenes whose name contains it")
     parser.add_argument("--scaling", action="store_true")
+    parser.add_argument("--instructions", action="store_true")
     arguments = parser.parse_args()
     if arguments.scaling:
         print("| scene | ns | range | pairs | ns per pair | bytes |\n|---|---|---|---|---|---|")
@@ -139,15 +156,17 @@ def main():
         return
     chosen = [(name, assignments) for name, assignments in LADDER if arguments.only in name]
     results = [{name: [] for name, _ in chosen} for _ in arguments.program]
-    for _ in range(arguments.repetitions):
+    measure = count if arguments.instructions else run
+    for _ in range(1 if arguments.instructions else arguments.repetitions):
         for name, assignments in chosen:
             for program, runs in zip(arguments.program, results):
-                runs[name].append(run(program, assignments))
+                runs[name].append(measure(program, assignments))
     *older, last = results
     if any(None in runs for runs in last.values()):
         sys.exit("a scene was refused")
     if older:
-        print("| scene | CPU time, ratio | range | counters and bytes |\n|---|---|---|---|")
+        what = "instructions" if arguments.instructions else "CPU time"
+        print(f"| scene | {what}, ratio | range | counters and bytes |\n|---|---|---|---|")
         for name, runs in last.items():
             print(ratio_row(name, runs, older[0][name]))
         return
