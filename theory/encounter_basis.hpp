@@ -12,10 +12,9 @@
 #include <vector>
 
 #include "encounter.hpp"
+#include "integrals.hpp"
 
 namespace dpd::theory::encounter {
-
-inline double square(double x) { return x * x; }
 
 /// Thermal speed of one component of g, whose variance is 2.
 constexpr double speed = std::numbers::sqrt2;

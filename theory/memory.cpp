@@ -11,7 +11,6 @@
 #include <complex>
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -23,14 +22,13 @@
 #include <vector>
 
 #include "encounter.hpp"
+#include "integrals.hpp"
 #include "rows.hpp"
 
 namespace dpd::theory {
 namespace {
 
 using Complex = std::complex<double>;
-
-double square(double x) { return x * x; }
 
 // -----------------------------------------------------------------------------------------------------------
 // Collective part; lengths in rc, velocities in (kT/m)^(1/2)
@@ -333,6 +331,7 @@ double over_waves(int d, double box, Function const& function) {
 void check_step_and_box(int d, double dt, double box) {
     if (!(dt >= 0.0) || !std::isfinite(dt))
         throw std::invalid_argument("dt must be zero or positive and finite");
+    if (!(box > 0.0)) throw std::invalid_argument("box must be positive");
     if (d == 2 && !std::isfinite(box))
         throw std::domain_error(
             "in two dimensions the coefficients of an infinite fluid diverge; give the side of a periodic "
@@ -607,17 +606,11 @@ CoefficientWithMemory in_units(CoefficientWithMemory const& c, double unit) {
     return {unit * c.at_once, unit * c.pair, unit * c.collective, unit * c.cross, unit * c.error};
 }
 
-void require_positive(std::initializer_list<std::pair<char const*, double>> quantities) {
-    for (auto const& [name, value] : quantities)
-        if (!(value > 0.0)) throw std::invalid_argument(std::string(name) + " must be positive");
-}
-
 }  // namespace
 
 CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double dt, double box) {
     unit_sphere_surface(gas.d);  // checks d
-    require_positive(
-        {{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}, {"rc", gas.rc}, {"zeta", zeta}, {"box", box}});
+    require_positive({{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}, {"rc", gas.rc}, {"zeta", zeta}});
     check_step_and_box(gas.d, dt, box);
     double const n = gas.n * std::pow(gas.rc, gas.d), time = gas.rc * std::sqrt(gas.m / gas.kT);
     Medium const medium{zeta * time, dt / time};
@@ -689,8 +682,7 @@ TransportWithMemory transport(Gas const& gas, Thermostat const& reduced_thermost
 
 void check_gas(Gas const& gas, char const* strength, double value, double dt, double box) {
     unit_sphere_surface(gas.d);  // checks d
-    require_positive(
-        {{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}, {"rc", gas.rc}, {strength, value}, {"box", box}});
+    require_positive({{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}, {"rc", gas.rc}, {strength, value}});
     check_step_and_box(gas.d, dt, box);
 }
 

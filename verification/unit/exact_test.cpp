@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "errors.hpp"
 #include "exact_answers.hpp"
@@ -28,7 +29,7 @@ Json const& answers() {
     return once;
 }
 
-Json const& find(std::string const& id) {
+Json const& find(std::string_view id) {
     auto const& cases = answers()["cases"];
     auto const found =
         std::find_if(cases.begin(), cases.end(), [&](Json const& one) { return one["id"] == id; });
