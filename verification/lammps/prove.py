@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Scenes on LAMMPS and on dpdref: exports, runs both, compares, writes the table of docs/lammps.md.
+"""Scenes on LAMMPS and on dpdref: exports, runs both, compares, writes the tables of docs/lammps.md.
 
 Needs `lmp` with the packages DPD-BASIC and DPD-REACT on the PATH; Python's standard library only. Finished runs are
 kept in the working directory; the same command again goes on where it was stopped.
-Usage: prove.py --dpdref PATH --work DIR [--write PAGE.md] [STATE...]: the table goes between two marked lines.
+Usage: prove.py --dpdref PATH --work DIR [--write FOLDER] [STATE...]: the tables go to FOLDER, averages.md and own_columns.md.
 """
 import argparse
 import json
@@ -13,7 +13,7 @@ import statistics
 import subprocess
 import tomllib
 
-BEGIN, END = "<!-- results: written by verification/lammps/prove.py -->", "<!-- end of results -->"
+WRITTEN = "<!-- written by verification/lammps/prove.py -->"
 HERE = pathlib.Path(__file__).resolve().parent
 
 # name of the state: scene, and what is set on top of it
@@ -99,8 +99,7 @@ def main():
     version = "LAMMPS" + version.split("Simulator", 1)[1].replace(" - ", " ", 1)
     lines = [f"{version} and {call(given.dpdref, '--version').split(' (')[0]}; errors are one standard error.", "",
              "| state | quantity | LAMMPS | error | dpdref | error | z | verdict |", "|---|---|---|---|---|---|---|---|"]
-    own = ["", "LAMMPS's own columns less those by dpdref's definitions, from the same run of LAMMPS:", "",
-           "| state | column | difference | error | expected from g(r) |", "|---|---|---|---|---|"]
+    own = ["| state | column | difference | error | expected from g(r) |", "|---|---|---|---|---|"]
     for name in given.states or STATES:
         directory = given.work / name.replace(" ", "_").replace(",", "")
         report = run_state(given.dpdref.resolve(), directory, *STATES[name])
@@ -120,8 +119,8 @@ def main():
             own.append(f"| {name} | {column} | {value:.4f} | {error:.4f} | {expected} |")
             print(own[-1], flush=True)
     if given.write:
-        before, rest = given.write.read_text().split(BEGIN)
-        given.write.write_text("\n".join([before + BEGIN, *lines, *own, END + rest.split(END)[1]]))
+        for name, table in (("averages", lines), ("own_columns", own)):
+            (given.write / f"{name}.md").write_text("\n".join([WRITTEN, *table]) + "\n")
 
 
 if __name__ == "__main__":

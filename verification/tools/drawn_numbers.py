@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """No number in the book comes from nowhere.
 
-In the pages below every number with a decimal point, a per cent sign, an error, a power of ten behind it, or a unit of time or memory must be drawn by a
-mark of measured.py (@measured, @ratio, @data, @report, @recorded, @closed, @given), or be of one of the kinds in EXEMPT. README.md, which
+In every page of the book every number with a decimal point, a per cent sign, an error, a power of ten behind it, or a unit of time or memory must be drawn by a
+mark of measured.py (@measured, @ratio, @data, @report, @recorded, @table, @json, @computed, @closed, @given), or be of one of the kinds in EXEMPT. README.md, which
 is read as it stands, has the mark in a comment right behind the number, and the number must be what the mark gives.
 
 usage: drawn_numbers.py                       one line per number that comes from nowhere
@@ -23,10 +23,8 @@ import equations
 import measured
 from equations import ROOT, read
 
-# Pages whose sentences hold measured numbers, or exercises. The others describe keys, conventions and derivations; their numbers are
-# defaults, exact coefficients and what papers print, and tests hold them.
-PAGES = ("findings", "errata", "openmm", "trust", "work_precision", "stability", "performance", "introduction", "one_pair", "step",
-         "viscosity", "coarse_graining", "walls", "measuring")
+# In a derivation the numbers of a formula are its constants. What was measured stands beside it and is drawn.
+FORMULAS = (r"\\f\$.*?\\f\$|\\f\[.*?\\f\]", "formulas of a derivation")
 
 NUMBER = r"[-+]?\d+(?:[ ,]\d{3})*(?:\.\d+)?"
 LIST = rf"{NUMBER}(?:(?:\s*,\s*|\s*,?\s+(?:and|to|or|against|instead of|than|x|with|in)\s+){NUMBER})*"
@@ -41,7 +39,7 @@ EXEMPT = (  # (pattern, why)
     (r"\\ref\s+\S+(?:\s+\"[^\"]*\")?|@eq\{[^}]*\}|@figure\{[^}]*\}|\]\([^)]*\)|\{#[^}]*\}", "links"),
     (r"^#.*?$", "headings"),
     (r"<!--.*?-->", "comments"),
-    (r"^\|(?:[^|@\n]*\|)+(?=[^|\n]*@(?:measured|ratio|data|report|recorded)\{)", "cells left of the first number that is drawn: where it was measured"),
+    (r"^\|(?:[^|@\n]*\|)+(?=[^|\n]*@(?:measured|ratio|data|report|recorded|table|json|computed)\{)", "cells left of the first number that is drawn: where it was measured"),
     (r"\b(?:eqs?|Eqs?|Figs?|fig|sects?|Sects?|Table|Phys|Lett|Chem|Comput|ref|refs|issue|request|point|points|exercise|Version|version|g\+\+|Highway|LAMMPS)\.?\s+"
      r"[\dIVX]+[a-z]?(?:(?:\s*,\s*|\s+(?:and|to)\s+|-)\d+[a-z]?)*", "numbers of equations, figures, versions"),
     (r"(?:Europhys\. Lett\.|Phys\. Rev\. E|J\. Chem\. Phys\.|J\. Comput\. Phys\.|SIAM J\. Sci\. Comput\.) \d+, \w?\d+", "literature"),
@@ -50,29 +48,38 @@ EXEMPT = (  # (pattern, why)
     (rf"{NUMBER}\s*(?:x|\^)\s*\d+(?:\s*x\s*\d+)*", "boxes"),
     (r"\\frac\d\d|\\frac\{?\d+\}?\{?\d+\}?|\d+/\d+", "fractions"),
 )
-MARKED = re.compile(r"@(?:measured|ratio|data|report|recorded|closed|given)\{[^{}]*\}")
+MARKED = measured.MARK
 SUSPECT = re.compile(
     r"(?<![\w.#^_{])[-+]?(?:\d+\.\d+|\d+(?=\s*%|\s*per cent|\s*(?:\+-|±)|\s*(?:ns|ms|GB|MB|kB)\b|\s+(?:s|min|h)\b|\\cdot10|\s*times\b))")
 AFTER = "set after looking"
 
 
-def blanked(text):
+def blanked(text, derivation=False):
     """The text without what is marked or exempt, lines and columns kept"""
     def blank(match):
         return re.sub(r"[^\n]", " ", match[0])
 
-    for pattern, _ in EXEMPT:
+    for pattern, _ in (*EXEMPT, FORMULAS) if derivation else EXEMPT:
         text = re.sub(pattern, lambda match: match[0] if MARKED.search(match[0]) else blank(match), text,
-                      flags=re.MULTILINE | (re.DOTALL if "```" in pattern else 0))
+                      flags=re.MULTILINE | (re.DOTALL if "```" in pattern or pattern == FORMULAS[0] else 0))
     return MARKED.sub(blank, text)
 
 
 def from_nowhere():
-    for page in PAGES:
-        file = ROOT / "docs" / f"{page}.md"
-        for number, line in enumerate(blanked(read(file)).splitlines(), 1):
+    for file in equations.pages():
+        for number, line in enumerate(blanked(read(file), derivation=file.parent.name == "theory").splitlines(), 1):
             for match in SUSPECT.finditer(line):
                 yield f"{file.relative_to(ROOT)}:{number}: {match[0]} comes from nowhere: mark it (verification/tools/measured.py)"
+
+
+def undrawable():
+    """marks whose number is not there"""
+    for file in equations.pages():
+        for mark in measured.MARK.finditer(read(file)):
+            try:
+                measured.drawn(mark[0])
+            except ValueError as error:
+                yield f"{file.relative_to(ROOT)}: {error}"
 
 
 def readme():
@@ -113,7 +120,7 @@ def main():
                 if AFTER in line:
                     print(f"{file.relative_to(ROOT)}:{number}: {line.strip()}")
         return 0
-    mistakes = [*from_nowhere(), *readme(), *(closed_forms(options.dpdref) if options.dpdref else [])]
+    mistakes = [*from_nowhere(), *undrawable(), *readme(), *(closed_forms(options.dpdref) if options.dpdref else [])]
     for mistake in mistakes:
         print(f"numbers: {mistake}", file=sys.stderr)
     marks = sum(len(MARKED.findall(read(file))) for file in [*equations.pages(), ROOT / "README.md"])

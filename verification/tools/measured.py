@@ -11,9 +11,16 @@
 @data{FILE;PART;X;EXPRESSION;SHAPE}             from figures/FILE.dat: columns $1, $2 ... of the row that begins with X (`all`,
                                                 or A..B: smallest to largest), sums, products, min, max, abs of them
 @report{FIGURE;CURVE;QUANTITY;X;COLUMN;SHAPE}   a column of figures/report.csv, the first row of that point
-@recorded{ID}                                   what a command gave that is no figure; docs/recorded.toml has it, with the command
+@recorded{NAME;EXPRESSION;SHAPE}                from figures/recorded/NAME.json, what a command of docs/recorded.toml printed (record.py): sums and
+                                                products of its numbers, a.b[0] in the order of its keys
+@recorded{NAME;PLACE}                           an object with value and error: 0.399 ± 0.004
+@recorded{NAME;PLACE;from NAME:EXPRESSION}      its deviation in per cent (+2.8 ± 0.5); `from NUMBER`, too
+@table{FILE;ROW;COLUMN}                         a cell of a table in figures/FILE.md, as it stands: ROW is its first cells, joined by |
+@table{FILE;ROW;COLUMN;SHAPE}                   the same as a number
+@json{FILE;EXPRESSION;SHAPE}                    from figures/FILE.json, as above
+@computed{NAME ARGUMENT...}                     from committed data by more than a product: a function of computed.py
 @closed{ID ARGUMENTS;VALUE}                     a closed form; the test `numbers` asks `dpdref theory` for it
-@given{VALUE}                                   of the set-up, printed by a paper, or exact; nobody measured it
+@given{VALUE}                                   of the set-up, printed by a paper, or from a formula; nobody measured it
 
 A number that is not there is a ValueError, which fails the tests and the book. Python's standard library only.
 """
@@ -21,6 +28,7 @@ A number that is not there is a ValueError, which fails the tests and the book. 
 import ast
 import csv
 import functools
+import json
 import math
 import operator
 import pathlib
@@ -28,7 +36,7 @@ import re
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MARK = re.compile(r"@(measured|ratio|data|report|recorded|closed|given)\{([^{}]*)\}")
+MARK = re.compile(r"@(measured|ratio|data|report|recorded|table|json|computed|closed|given)\{([^{}]*)\}")
 
 
 # --- data files: parts that begin with '# NAME', rows of numbers
@@ -148,14 +156,16 @@ OPERATIONS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.m
 FUNCTIONS = {"min": min, "max": max, "abs": abs, "sqrt": math.sqrt}
 
 
-def arithmetic(text, row):
-    """Sums and products of a row's columns $1, $2 ..."""
+def arithmetic(text, row=None, tree=None):
+    """Sums and products of a row's columns $1, $2 ..., or of the numbers in a tree of JSON: a.b[0]"""
     def value(node):
         match node:
             case ast.Constant(value=number):
                 return number
-            case ast.Name(id=name) if name.startswith("column"):
+            case ast.Name(id=name) if row is not None and name.startswith("column"):
                 return float(row[int(name.removeprefix("column")) - 1])
+            case ast.Name() | ast.Attribute() | ast.Subscript() if tree is not None:
+                return float(at(tree, ast.unparse(node)))
             case ast.BinOp(left=left, op=op, right=right):
                 return OPERATIONS[type(op)](value(left), value(right))
             case ast.UnaryOp(op=op, operand=operand):
@@ -165,6 +175,13 @@ def arithmetic(text, row):
         raise ValueError(f"cannot compute '{text}'")
 
     return value(ast.parse(text.replace("$", "column"), mode="eval").body)
+
+
+def at(tree, place):
+    """What stands at a.b[0] in a tree of JSON"""
+    for name, index in re.findall(r"([A-Za-z_]\w*)|\[(\d+)\]", place):
+        tree = tree[name] if name else tree[int(index)]
+    return tree
 
 
 def data(text):
@@ -190,15 +207,76 @@ def report(text):
 
 
 @functools.cache
-def record():
-    return tomllib.loads((ROOT / "docs" / "recorded.toml").read_text(encoding="utf-8"))
+def json_file(file):
+    if not file.is_file():
+        raise ValueError(f"there is no {file.relative_to(ROOT)}")
+    return json.loads(file.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def commands():
+    """of docs/recorded.toml by name"""
+    tables = tomllib.loads((ROOT / "docs" / "recorded.toml").read_text(encoding="utf-8"))
+    return {name: table["command"] for name, table in tables.items()}
+
+
+def recorded_file(name):
+    return ROOT / "figures" / "recorded" / f"{name}.json"
+
+
+def record(name):
+    """What the command of docs/recorded.toml printed"""
+    if name not in commands():
+        raise ValueError("docs/recorded.toml has no such command")
+    kept = json_file(recorded_file(name))
+    if kept["command"] != commands()[name]:
+        raise ValueError(f"{recorded_file(name).relative_to(ROOT)} is from another command: record.py {name}")
+    return kept["printed"]
 
 
 def recorded(text):
-    table, _, key = text.partition(".")
-    if key not in record().get(table, {}) or key == "command":
-        raise ValueError("docs/recorded.toml has no such number")
-    return str(record()[table][key])
+    name, place, *shape = text.split(";")
+    if shape and not shape[0].startswith("from "):
+        return span([arithmetic(place, tree=record(name))], shape[0])
+    found = at(record(name), place)
+    if not shape:
+        return with_error(found["value"], found["error"])
+    other, _, expression = shape[0].removeprefix("from ").rpartition(":")
+    reference = arithmetic(expression, tree=record(other) if other else None)
+    return with_error(100.0 * (found["value"] / reference - 1.0), 100.0 * found["error"] / abs(reference), "+")
+
+
+def from_json(text):
+    file, expression, shape = text.split(";")
+    return span([arithmetic(expression, tree=json_file(ROOT / "figures" / f"{file}.json"))], shape)
+
+
+def table(text):
+    name, row, column, *shape = text.split(";")
+    file = ROOT / "figures" / f"{name}.md"
+    if not file.is_file():
+        raise ValueError(f"there is no figures/{name}.md")
+    wanted, header = row.split("|"), []
+    for line in file.read_text(encoding="utf-8").splitlines():
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")] if line.startswith("|") else []
+        if not cells:
+            header = []
+        elif not header:
+            header = cells
+        elif cells[:len(wanted)] == wanted and column in header:
+            cell = cells[header.index(column)]
+            return span([float(cell)], shape[0]) if shape else cell
+    raise ValueError(f"figures/{name}.md has no such cell")
+
+
+def from_function(text):
+    import computed  # it draws on this module
+
+    name, *arguments = text.split()
+    function = getattr(computed, name, None)
+    if name.startswith("_") or getattr(function, "__module__", None) != "computed":
+        raise ValueError("computed.py has no such function")
+    return function(*arguments)
 
 
 def closed(text):
@@ -208,8 +286,8 @@ def closed(text):
     return value
 
 
-SOURCES = {"measured": measured, "ratio": ratio, "data": data, "report": report, "recorded": recorded, "closed": closed,
-           "given": lambda text: text}
+SOURCES = {"measured": measured, "ratio": ratio, "data": data, "report": report, "recorded": recorded, "table": table,
+           "json": from_json, "computed": from_function, "closed": closed, "given": lambda text: text}
 
 
 def drawn(text):
