@@ -14,6 +14,7 @@
 #include "define_figure.hpp"
 #include "errors.hpp"
 #include "judge_figure.hpp"
+#include "redraw_figure.hpp"
 #include "report.hpp"
 #include "run_figure.hpp"
 #include "signals.hpp"
@@ -112,8 +113,19 @@ bool make_studies(std::filesystem::path const& directory, std::vector<std::strin
     return agree;
 }
 
+// The same from what is on disk, without a run.
+bool redraw_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
+                    std::string const& budget, CampaignOptions const& options) {
+    for (auto const& id : ids) redraw_figure(load_figure(verification, id, budget), options.output);
+    auto const all = load_comparisons(options.output);
+    bool const agree = dpd::report(all, options.output);
+    print_summary(all, options.output);
+    return agree;
+}
+
 struct FigureChoice {
     std::vector<std::string> ids, changes;
+    bool redraw = false;
     CampaignChoice campaign;
 };
 
@@ -128,14 +140,22 @@ Command figure(CLI::App& app) {
             "--set", chosen->changes,
             "table.key=value, on top of the definition; into figures/changed unless --out says where")
         ->allow_extra_args(false);
+    command
+        ->add_flag("--redraw", chosen->redraw,
+                   "judge and draw again what is on disk, by the definition as it is now; runs nothing")
+        ->excludes("--set");
     chosen->campaign.add_to(*command);
     return {command, [chosen] {
-                auto& [ids, changes, campaign] = *chosen;
+                auto& [ids, changes, redraw, campaign] = *chosen;
                 if (!changes.empty() && campaign.output.empty()) campaign.output = "figures/changed";
                 auto const which =
                     ids == std::vector<std::string>{"all"} ? figure_ids(campaign.verification) : ids;
                 if (which.empty())
                     throw InputError(fmt::format("{}: holds no figures", campaign.verification));
+                if (redraw)
+                    return redraw_figures(campaign.verification, which, campaign.budget, campaign.options())
+                               ? exit_done
+                               : exit_disagrees;
                 return make_figures(campaign.verification, which, campaign.budget, campaign.options(),
                                     changes)
                            ? exit_done

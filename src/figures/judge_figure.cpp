@@ -74,7 +74,9 @@ std::optional<Comparison> compare_point(Figure const& figure, std::size_t p, Cri
         comparison.theory = reference->estimate.value;
         comparison.theory_error = reference->estimate.error;
     } else {
-        comparison.theory = theory_for(point.runs.front(), criterion.theory);
+        auto const theory = theory_or_nothing(point.runs.front(), criterion.theory);
+        if (!theory) return {};
+        comparison.theory = *theory;
     }
     return comparison;
 }

@@ -49,4 +49,13 @@ double theory_for(Scene const& scene, std::string const& id) {
     return theory_value(id, theory_arguments(scene));
 }
 
+std::optional<double> theory_or_nothing(Scene const& scene, std::string const& id) {
+    try {
+        return theory_for(scene, id);
+    } catch (std::domain_error const&) {
+        if (theory::find(id)->costly) return {};
+        throw;
+    }
+}
+
 }  // namespace dpd

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "comparison_json.hpp"
+#include "errors.hpp"
 #include "figure_text.hpp"
 #include "files.hpp"
 #include "judge_figure.hpp"
@@ -24,19 +25,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Closed forms along each curve, for the lines of the plot.
-std::string theory_lines(Figure const& figure) {
+std::string theory_lines(Figure const& figure, std::vector<Comparison> const& comparisons) {
     constexpr int samples = 100;
     constexpr double logarithmic_from = 8.0;  // ratio of the ends
     std::string text;
     for (std::size_t c = 0; c < figure.curves.size(); ++c) {
         auto const& curve = figure.curves[c];
         Scene const* base = nullptr;
-        std::vector<double> measured;
         double low = INFINITY, high = -INFINITY;
         for (auto const& point : figure.points) {
             if (point.curve != c) continue;
             base = &point.runs.front();
-            measured.push_back(point.x);
             low = std::min(low, point.x);
             high = std::max(high, point.x);
         }
@@ -49,14 +48,22 @@ std::string theory_lines(Figure const& figure) {
             sampled.push_back(logarithmic ? low * std::pow(high / low, t) : low + (high - low) * t);
         }
         for (auto const& criterion : curve.criteria) {
-            if (theory::find(criterion.theory) == nullptr || !curve.record.empty()) continue;
+            auto const* const form = theory::find(criterion.theory);
+            if (form == nullptr || !curve.record.empty()) continue;
             text += fmt::format("# {}\n", part_name(curve.name, criterion));
             // what is costly has been evaluated for the points, and is not elsewhere
-            for (double const x : theory::find(criterion.theory)->costly ? measured : sampled) {
-                Scene const scene =
-                    parse_scene(base->text, "theory line", {fmt::format("{}={}", curve.parameter, x)});
-                text += fmt::format("{:.10g} {:.10g}\n", x, theory_for(scene, criterion.theory));
-            }
+            if (form->costly)
+                for (auto const& made : comparisons) {
+                    if (made.curve == curve.name &&
+                        part_name(made.curve, made.criterion) == part_name(made.curve, criterion))
+                        text += fmt::format("{:.10g} {:.10g}\n", made.x, made.theory);
+                }
+            else
+                for (double const x : sampled) {
+                    Scene const scene =
+                        parse_scene(base->text, "theory line", {fmt::format("{}={}", curve.parameter, x)});
+                    text += fmt::format("{:.10g} {:.10g}\n", x, theory_for(scene, criterion.theory));
+                }
             text += "\n\n";
         }
     }
@@ -115,10 +122,12 @@ std::string configurations(Figure const& figure) {
     return text;
 }
 
+constexpr std::string_view measured_begins = "# all:";  // in the data file, after what is compared
+
 }  // namespace
 
-void write_figure(Figure const& figure, std::vector<Comparison> const& comparisons, std::string const& budget,
-                  std::filesystem::path const& output) {
+void rewrite_figure(Figure const& figure, std::vector<Comparison> const& comparisons, Written const& written,
+                    std::filesystem::path const& output) {
     std::filesystem::create_directories(output / "data");
     auto const data = output / "data" / (figure.id + ".dat");
     auto const lines = output / "data" / (figure.id + ".theory.dat");
@@ -126,25 +135,57 @@ void write_figure(Figure const& figure, std::vector<Comparison> const& compariso
         "# {} figure {}, budget {}; dpdref {}, engine revision {}; run time {:.0f} s\n"
         "# columns: x, value, standard error, theory, relative deviation, its error, blocks, verdict, "
         "seconds\n\n\n",
-        figure.paper, figure.number, budget, version, engine_revision, figure.seconds);
-    write_file(data, head + compared(comparisons) + all_quantities(figure) + configurations(figure));
-    write_file(lines, theory_lines(figure));
+        figure.paper, figure.number, written.budget, version, written.engine_revision, written.seconds);
+    write_file(data, head + compared(comparisons) + written.measured);
+    write_file(lines, theory_lines(figure, comparisons));
 
     Json json{{"figure", figure.id},
               {"paper", figure.paper},
               {"number", figure.number},
-              {"budget", budget},
-              {"engine_revision", engine_revision},
-              {"seconds", figure.seconds}};
+              {"budget", written.budget},
+              {"engine_revision", written.engine_revision},
+              {"seconds", written.seconds}};
     for (auto const& c : comparisons) json["comparisons"].push_back(to_json(c));
     write_file(output / "data" / (figure.id + ".json"), json.dump(1) + "\n");
 
     std::string const caption = fmt::format("{}. {} Run time {} ({} budget).", source_of(figure),
-                                            figure.caption, duration_text(figure.seconds), budget);
+                                            figure.caption, duration_text(written.seconds), written.budget);
     draw(output / figure.id, figure.directory / "plot.gp",
          fmt::format("title_text = {}\ndata = {}\nlines = {}\ncaption = {}\n", quoted(figure.title),
                      quoted_path(data), quoted_path(lines), quoted(wrapped(caption))));
+}
+
+void write_figure(Figure const& figure, std::vector<Comparison> const& comparisons, std::string const& budget,
+                  std::filesystem::path const& output) {
+    rewrite_figure(figure, comparisons,
+                   {.budget = budget,
+                    .engine_revision = engine_revision,
+                    .seconds = figure.seconds,
+                    .measured = all_quantities(figure) + configurations(figure)},
+                   output);
     write_convergence(figure, budget, output);
+}
+
+Written load_written(std::string const& id, std::filesystem::path const& output) {
+    auto const file = output / "data" / (id + ".json"), data = output / "data" / (id + ".dat");
+    for (auto const& needed : {file, data})
+        if (!std::filesystem::exists(needed))
+            throw InputError(
+                fmt::format("{}: there is none; `dpdref figure {}` makes it", needed.string(), id));
+    try {
+        Json const content = Json::parse(read_file(file));
+        Written written{.budget = content.at("budget"),
+                        .engine_revision = content.at("engine_revision"),
+                        .seconds = content.at("seconds")};
+        for (auto const& json : content.at("comparisons"))
+            written.comparisons.push_back(comparison_from_json(json));
+        std::string const text = read_file(data);
+        if (auto const begin = text.find(measured_begins); begin != std::string::npos)
+            written.measured = text.substr(begin);
+        return written;
+    } catch (Json::exception const& error) {
+        throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+    }
 }
 
 std::vector<Comparison> load_comparisons(std::filesystem::path const& output) {

@@ -322,6 +322,11 @@ TOML
     expect 0 -- "${tiny[@]}"
     [ -z "$(find cache -newermt 2001-01-01 -name '*.h5')" ] || fail "figure: ran again what the cache holds"
     check "figure: other numbers from the cache" cmp first.dat tiny/data/tiny.dat
+    # judged and drawn again without a run: the same data
+    redraw=(figure tiny --verification definitions --out tiny --redraw)
+    expect 0 -- "${redraw[@]}"
+    check "--redraw: other numbers" cmp first.dat tiny/data/tiny.dat
+    expect 2 "there is none" -- figure tiny --verification definitions --out nowhere --redraw
     expect 0 -- report --figures tiny
     grep -q '^1 comparisons: 1 agree' out || fail "report: $(tail -1 out)"
     check "report: no table" test -s tiny/report.csv -a -s tiny/report.json
@@ -348,6 +353,8 @@ TOML
     sed -i 's/value = 1.0/value = 3.0/; s/tolerance = 0.2/tolerance = 0.1/' definitions/tiny/figure.toml
     call "${tiny[@]}"
     [ "$code" -eq 1 ] || fail "figure: exit code $code for a comparison that disagrees, expected 1"
+    call "${redraw[@]}"
+    [ "$code" -eq 1 ] || fail "--redraw: exit code $code for a comparison that disagrees, expected 1"
 fi
 
 # --- sizes, depths and lengths: by their key, before anything is taken -----------------------------------

@@ -1,0 +1,75 @@
+#include "redraw_figure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "errors.hpp"
+#include "theory/registry.hpp"
+#include "theory_arguments.hpp"
+#include "write_figure.hpp"
+
+namespace dpd {
+namespace {
+
+// The point of the definition that a comparison was made at; none for a bin of a measured curve.
+Point const* point_of(Figure const& definition, Comparison const& c) {
+    for (auto const& point : definition.points)
+        if (definition.curves[point.curve].name == c.curve && point.x == c.x) return &point;
+    return nullptr;
+}
+
+// One criterion at one point, of which `made` are the comparisons before.
+std::optional<Comparison> compare_again(Figure const& definition, std::vector<Comparison> const& made,
+                                        Criterion const& criterion) {
+    for (auto again : made)
+        if (again.criterion.quantity == criterion.quantity && again.criterion.theory == criterion.theory) {
+            again.criterion = criterion;
+            if (criterion.theory == "value") again.theory = criterion.value;
+            return again;
+        }
+    if (criterion.theory == "previous" || criterion.quantity.starts_with(exponent_prefix)) return {};
+    auto const same_quantity = std::find_if(made.begin(), made.end(), [&](Comparison const& c) {
+        return c.criterion.quantity == criterion.quantity;
+    });
+    Point const* const point = point_of(definition, made.front());
+    if (same_quantity == made.end() || point == nullptr || theory::find(criterion.theory) == nullptr)
+        throw InputError(fmt::format("figure {}, curve {}: {} against {} needs the runs: `dpdref figure {}`",
+                                     definition.id, made.front().curve, criterion.quantity, criterion.theory,
+                                     definition.id));
+    auto again = *same_quantity;
+    again.criterion = criterion;
+    again.theory_error = 0.0;
+    auto const theory = theory_or_nothing(point->runs.front(), criterion.theory);
+    if (!theory) return {};
+    again.theory = *theory;
+    return again;
+}
+
+}  // namespace
+
+std::vector<Comparison> redraw_figure(Figure const& definition, std::filesystem::path const& output) {
+    Written const written = load_written(definition.id, output);
+    std::vector<Comparison> comparisons, of_point;
+    auto const finish_point = [&] {
+        if (of_point.empty()) return;
+        auto const curve = std::find_if(definition.curves.begin(), definition.curves.end(),
+                                        [&](auto const& one) { return one.name == of_point.front().curve; });
+        if (curve != definition.curves.end())
+            for (auto const& criterion : curve->criteria)
+                if (auto again = compare_again(definition, of_point, criterion))
+                    comparisons.push_back(std::move(*again));
+        of_point.clear();
+    };
+    for (auto const& made : written.comparisons) {
+        if (!of_point.empty() && (of_point.front().curve != made.curve || of_point.front().x != made.x))
+            finish_point();
+        of_point.push_back(made);
+    }
+    finish_point();
+    rewrite_figure(definition, comparisons, written, output);
+    return comparisons;
+}
+
+}  // namespace dpd
