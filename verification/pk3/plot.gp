@@ -3,7 +3,7 @@
 atoms = "1 5 10 15 20 25 30"
 array shade[7] = ["#440154", "#46327e", "#365c8d", "#1fa187", "#4ac16d", "#d0b010", "#e06000"]
 variants = "'sigma=5' 'sigma=7' 'kT=0.01' 'kT=1' 'Lowe 0.5' 'Lowe 50'"
-labels = "'σ_R = 5' 'σ_R = 7' 'k_BT = 0.01' 'k_BT = 1' 'Lowe, Γ = 0.5' 'Lowe, Γ = 50'"
+labels = "'σ_R = 5' 'σ_R = 7' 'kT = 0.01' 'kT = 1' 'Lowe, Γ = 0.5' 'Lowe, Γ = 50'"
 array colour[6] = [blue, sky, red, yellow, green, purple]
 array symbol[6] = [7, 6, 5, 4, 9, 8]
 

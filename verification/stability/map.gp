@@ -2,6 +2,7 @@
 load scripts."/names.gp"
 map = file("map")
 array shown[4] = [2, 4, 5, 6]
+set tics font ",".caption_size
 set multiplot layout 2,2 title "Largest usable step Δt, density 3" margins 0.10,0.88,0.09,0.91 spacing 0.10,0.09
 set palette defined (0 "#440154", 1 "#3b528b", 2 "#21918c", 3 "#5ec962", 4 "#fde725")
 set logscale cb; set cbrange [3e-4:10]; set format cb "10^{%T}"
@@ -20,7 +21,7 @@ do for [p=1:4] {
     if (p % 2) { set ylabel "repulsion a" offset 1.5,0 } else { unset ylabel }
     if (p == 4) { set colorbox user origin 0.90,0.09 size 0.025,0.82 } else { unset colorbox }
     plot map index name[k].":3" using (index_of(frictions, $1)):(index_of(repulsions, $2)):usable with image, \
-         map index name[k].":3" using (index_of(frictions, $1)):(index_of(repulsions, $2)):(number(1)) with labels font ",8" tc rgb "white", \
-         map index name[k].":3" using (index_of(frictions, $1)):(index_of(repulsions, $2)):(number(0)) with labels font ",8" tc rgb "black"
+         map index name[k].":3" using (index_of(frictions, $1)):(index_of(repulsions, $2)):(number(1)) with labels font sprintf(",%g", 0.7*caption_size) tc rgb "white", \
+         map index name[k].":3" using (index_of(frictions, $1)):(index_of(repulsions, $2)):(number(0)) with labels font sprintf(",%g", 0.7*caption_size) tc rgb "black"
 }
 unset multiplot

@@ -4,7 +4,7 @@ unset logscale
 set logscale xy
 set format y "%g"
 set lmargin; set rmargin; unset grid
-set tics font ",11"
+set tics font ",".caption_size
 set format x x_format
 array colours[10] = [yellow, red, purple, black, green, blue, "#882255", sky, "#999933", "#8B4513"]  # as in the maps of stability
 set multiplot layout 4,2 title title_text."\n{/*0.75 ".caption."}" offset 0,0.3 margins 0.08,0.98,0.06,0.915 spacing 0.085,0.062
