@@ -8,6 +8,7 @@ set xrange [0.008:1.3]; set yrange [0.09:0.9]; set ytics (0.1, 0.2, 0.3, 0.5, 0.
 set ylabel "diffusion constant D*" offset 0.5,0
 set key top left
 plot lines index msd using 1:2 with lines lw 2 lc rgb blue title "eq. 17", \
+     lines index "gamma=9:diffusion_constant:memory-D" using 1:2 with lines lw 1.5 dt 2 lc rgb blue title "with memory", \
      data index msd using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb blue title "dynamics", \
      data index "chaos".q using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red title "positions redrawn", \
      data index "chaos, long step".q using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb red notitle
