@@ -12,6 +12,7 @@ Exit code 1 with one line per mistake. Python's standard library only.
 """
 
 import argparse
+import functools
 import collections
 import json
 import math
@@ -298,6 +299,27 @@ def plain(text):
     return re.sub(r"([*<>|])", r"\\\1", text)
 
 
+@functools.cache
+def formulas():
+    """[(text, TeX)], the longest first"""
+    table = tomllib.loads(read(ROOT / "docs" / "claims.toml"))["formulas"]
+    return sorted(table.items(), key=lambda pair: -len(pair[0]))
+
+
+def in_tex(text):
+    """A sentence with its formulas set: those of docs/claims.toml, and N_m alone or with a number"""
+    known = "|".join(rf"(?<![\w^]){re.escape(plain_text)}(?![\w^])" for plain_text, _ in formulas())
+    pieces = re.split(rf"({known}|\bNm (?:=|>) \d+|\bNm\b(?!\^))", text)
+    tex = dict(formulas())
+
+    def one(piece):
+        if piece in tex:
+            return rf"\f${tex[piece]}\f$"
+        return rf"\f${piece.replace('Nm', 'N_m')}\f$" if re.fullmatch(r"Nm(?: [=>] \d+)?", piece) else plain(piece)
+
+    return "".join(map(one, pieces))
+
+
 def number(value, error):
     if not error:
         return f"{value:.5g}"
@@ -421,11 +443,11 @@ def details(claim, title, rows, tests, known_sections):
     now = verdict(claim, rows)
     yield f"### {title} {{#claim-{claim['id']}}}"
     yield ""
-    yield f"**{now[0].upper()}{now[1:]}**" + (f". {plain(claim['note'])}" if "note" in claim else ".")
+    yield f"**{now[0].upper()}{now[1:]}**" + (f". {in_tex(claim['note'])}" if "note" in claim else ".")
     yield ""
     yield "\\htmlonly <details class=\"solution\" open><summary>Evidence</summary> \\endhtmlonly"
     yield ""
-    yield plain(claim["claim"])
+    yield in_tex(claim["claim"])
     yield ""
     yield f"- In the paper: {plain(claim['place'])}; id `{claim['id']}`"
     for form in claim.get("theory", []):
