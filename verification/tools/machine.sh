@@ -1,20 +1,24 @@
 #!/bin/sh
 # The README's test command on an empty machine: makes a root of Debian with apt and git alone, clones this
-# repository's last commit into it and runs `sh verification/fresh.sh tests` there, in a name space of its own. For
-# Arm a cross build, whose engine tests run under qemu-user. Ends with a line for the table of docs/machines.md.
-# usage: sh verification/tools/machine.sh debian12|debian13|arm64 [g++|clang++]
+# repository's last commit into it and runs `sh verification/fresh.sh tests` (or figures) there, in a name space of its
+# own. For Arm a cross build, whose engine tests run under qemu-user. Ends with a line for the table of docs/machines.md.
+# usage: sh verification/tools/machine.sh debian12|debian13|arm64 [g++|clang++] [tests|figures]
 # CI=true: warnings are errors, and the book is built. Downloaded packages are kept in ~/.cache/dpdref.
 # Exit code: that of the tests; 77 where no root can be made, which needs root's rights and a mirror.
 set -eu
 system=${1:-}
 export CXX="${2:-g++}"
-case "$system $CXX" in
-"debian12 g++" | "debian12 clang++" | "arm64 g++") suite=bookworm ;;
-"debian13 g++" | "debian13 clang++") suite=trixie ;;
-*)
-    echo "usage: sh verification/tools/machine.sh debian12|debian13|arm64 [g++|clang++]" >&2
+job=${3:-tests}
+usage() {
+    echo "usage: sh verification/tools/machine.sh debian12|debian13|arm64 [g++|clang++] [tests|figures]" >&2
     exit 2
-    ;;
+}
+case "$CXX" in g++ | clang++) ;; *) usage ;; esac
+case "$system $job" in
+"debian12 tests" | "debian12 figures") suite=bookworm ;;
+"debian13 tests" | "debian13 figures") suite=trixie ;;
+"arm64 tests") suite=bookworm; [ "$CXX" = g++ ] || usage ;;
+*) usage ;;
 esac
 cd "$(dirname "$0")/../.."
 repository=$PWD
@@ -93,7 +97,7 @@ test_on_arm() {
     )
 }
 
-test_in_root() {
+fresh_in_root() {
     make_root --variant=minbase --include=git
     git clone -q "$repository" "$root/srv/dpdref" || impossible "no clone"
     cp /etc/resolv.conf /etc/hosts "$root/etc/" || :
@@ -104,14 +108,14 @@ test_in_root() {
     inside 'apt-get update -q' >/dev/null || impossible "apt-get update fails in it"
     [ "$CXX" = g++ ] || inside 'apt-get install -y -q --no-install-recommends clang' >/dev/null ||
         impossible "clang cannot be installed in it"
-    echo "machine.sh: sh verification/fresh.sh tests, in an empty $system"
-    inside 'sh verification/fresh.sh tests'
+    echo "machine.sh: sh verification/fresh.sh $job, in an empty $system"
+    inside "sh verification/fresh.sh $job"
 }
 
 begin=$(date +%s)
 echo 77 >"$scratch/status"
 {
-    if [ "$system" = arm64 ]; then test_on_arm; else test_in_root; fi && echo 0 >"$scratch/status" || echo $? >"$scratch/status"
+    if [ "$system" = arm64 ]; then test_on_arm; else fresh_in_root; fi && echo 0 >"$scratch/status" || echo $? >"$scratch/status"
 } | tee "$scratch/log"
 status=$(cat "$scratch/status")
 [ "$status" -ne 77 ] || exit 77
@@ -121,5 +125,5 @@ fi
 tests=$(sed -n 's/^.*% tests passed, \([0-9]*\) tests failed out of \([0-9]*\)$/\1 of \2 failed/p' "$scratch/log")
 compiler=$(sed -n 's/^-- The CXX compiler identification is //p' "$scratch/log")
 elapsed=$(($(date +%s) - begin))
-printf '\n| %s | %s | %s | %s | %d min |\n' "$system" "$compiler" "$(git rev-parse --short HEAD)" "${tests:-no tests}" $((elapsed / 60))
+printf '\n| %s | %s | %s | %s | %d min |\n' "$system" "$compiler" "$(git rev-parse --short HEAD)" "${tests:-$job}" $((elapsed / 60))
 exit "$status"
