@@ -33,6 +33,16 @@ double unit_sphere_surface(int d) {
     throw std::invalid_argument("d must be 2 or 3");
 }
 
+namespace {
+// A value whose sums do not overflow, which the quadrature takes for granted.
+double summable(double value) {
+    constexpr double largest = 1e300;
+    if (!(std::abs(value) < largest))
+        throw std::domain_error("no finite value: a parameter is too large or too small");
+    return value;
+}
+}  // namespace
+
 // [volume integral]
 double volume_integral(int d, double rc, std::function<double(double)> const& f) {
     require_positive({{"rc", rc}});
@@ -40,13 +50,9 @@ double volume_integral(int d, double rc, std::function<double(double)> const& f)
     // at a large gamma dt/m has a boundary layer there.
     static boost::math::quadrature::tanh_sinh<double> quadrature;  // its lazily grown table is locked
     constexpr double tolerance = 1e-12;
-    try {
-        double const radial = quadrature.integrate([&](double x) { return std::pow(x, d - 1) * f(rc * x); },
-                                                   0.0, 1.0, tolerance);
-        return unit_sphere_surface(d) * std::pow(rc, d) * radial;
-    } catch (boost::math::evaluation_error const&) {
-        throw std::domain_error("no finite value: a parameter is too large or too small");
-    }
+    double const radial = quadrature.integrate(
+        [&](double x) { return summable(std::pow(x, d - 1) * f(rc * x)); }, 0.0, 1.0, tolerance);
+    return unit_sphere_surface(d) * std::pow(rc, d) * radial;
 }
 // [volume integral]
 
