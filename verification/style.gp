@@ -22,7 +22,7 @@ upper = 'set multiplot; set tmargin at screen 0.93; set bmargin at screen 0.50; 
 set format x ""; unset xlabel; unset label'
 lower = 'set tmargin at screen 0.47; set bmargin at screen 0.205; unset title; set format x; set format y "%g"; unset logscale y; \
 set label 1 caption at screen 0.025,0.115 noenhanced font ",".caption_size; \
-set ylabel "deviation (%)" offset 0.5,0'
+set ylabel "deviation (%)" offset -0.3,0'
 finish = 'unset multiplot; unset label 1'
 
 # the parts of a data file, by curve and quantity

@@ -4,7 +4,7 @@ one = "dt=0.1"; rare = "dt=0.1, rare"; two = "dt=1"; flat = "2D, dt=0.1"
 
 @upper
 set logscale xy
-set xrange [0.2:40]; set yrange [0.06:40]
+set xrange [0.2:40]; set yrange [0.06:200]
 set ylabel "viscosity η*" offset 0.5,0
 set key top left maxrows 3
 plot lines index rare.kin using 1:2 with lines lw 2 lc rgb blue notitle, \

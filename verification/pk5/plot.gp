@@ -25,7 +25,7 @@ stats data index "all:T(z), 13:temperature_profile" using 2 name "T13" nooutput
 @upper
 set xrange [0:width]; set yrange [0:1.4]
 set ylabel "velocity u (σ/τ)" offset 0.5,0
-set key top center maxrows 4
+set key bottom center maxrows 4 samplen 1 width -4 spacing 1 font ",".caption_size
 plot for [n=1:6] data index "all:u(z), ".word(atoms, n).":channel_profile" using 1:2 with points pt symbol[n] ps 0.8 lw 1.2 lc rgb shade[n] title (n == 1 ? "N_m = " : "").word(atoms, n).(n == 6 ? ", ".largest_of("u13") : ""), \
      parabola(x) with lines lw 2 lc rgb black title "Navier and Stokes", \
      fitted ? power_law(x) : NaN with lines dt 2 lw 2 lc rgb black title fitted ? sprintf("power law, %.3f", index) : ""

@@ -37,7 +37,7 @@ set xtics () scale 0
 do for [k=1:4] { do for [i=1:words(settings[k])] { set xtics add (word(settings[k], i) start[k]+i-1) } }
 do for [k=1:4] { set label 10+k what[k] at start[k]+0.5*(words(settings[k])-1), screen 0.235 center font small }
 set label 1 caption at screen 0.025,0.115 noenhanced font ",".caption_size
-set logscale y; set yrange [0.3:3000]
+set logscale y; set yrange [0.3:6000]
 set ylabel "figure of merit (1/s)" offset 0.5,0
 plot for [k=1:4] data index part(k) using (place(k, $1)):(merit(k, $2, $3, $9)) with boxes fs solid 0.6 noborder lc rgb colour[k], \
      for [k=1:4] data index part(k) using (place(k, $1)):(merit(k, $2, $3, $9)):(number(merit(k, $2, $3, $9))) with labels offset 0,0.6 font small

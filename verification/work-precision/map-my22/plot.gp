@@ -26,7 +26,7 @@ do for [m=1:2] {
   prefix = m == 1 ? "" : "old momentum "
   set title (m == 1 ? title_text : "") offset 0,0.2
   set tmargin at screen (m == 1 ? 0.935 : 0.70); set bmargin at screen (m == 1 ? 0.715 : 0.48)
-  set label 2 (m == 1 ? "kicked, then moved" : "moved with the old momentum") at graph 0.995,0.93 right font small
+  set label 2 (m == 1 ? "moved after the kick" : "moved with the momentum from before the kick") at graph 0.995,0.93 right font small
   unset xtics
   if (m == 2) {
     set xtics () scale 0 font small
