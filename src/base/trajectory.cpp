@@ -62,8 +62,6 @@ void create_empty(std::filesystem::path const& path, TrajectoryOf const& what) {
     for (std::size_t p = 0; p < id.size(); ++p) id[p] = static_cast<std::uint32_t>(p);
     H5::DSetCreatPropList untimed;
     H5Pset_obj_track_times(untimed.getId(), false);
-    untimed.setChunk(1, &particles);
-    untimed.setFletcher32();
     create(h5, all + "id", type_of<std::uint32_t>(), H5::DataSpace(1, &particles), untimed)
         .write(id.data(), type_of<std::uint32_t>());
     H5::Group const box = h5.openGroup(all + "box");
