@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "build.hpp"
 #include "errors.hpp"
 #include "sample.hpp"
 #include "scene.hpp"
@@ -37,11 +38,6 @@ struct RunOptions {
     std::atomic<bool> const* stop = nullptr;  ///< ends the run after the present step
     std::function<void(double fraction)> progress;
 };
-
-/// A simulation with the stage list that the scene names, at its initial state; `sample` (may be empty) is
-/// what the stage of that name calls.
-template <int d>
-Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> sample);
 
 /// Runs a scene to its end. With an output file: returns its results if it holds this scene completed,
 /// resumes if it holds a checkpoint of it. A file of its own that is damaged is said, moved aside and made
