@@ -68,6 +68,9 @@ foreach(part MathJax.js jax/output/SVG/jax.js jax/output/SVG/config.js)
          COMMAND ${CMAKE_COMMAND} -E copy ${DPDREF_MATHJAX}/${part} ${DPDREF_BOOK}/html/mathjax/${part})
 endforeach()
 
+# The live pages' scenes, and their engine where emscripten is.
+set(DPDREF_LIVE_SCRIPTS COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/docs/live/scripts.py ${DPDREF_BOOK}/html ${DPDREF_LIVE_ENGINE})
+
 add_custom_target(docs
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${DPDREF_BOOK}/html
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/verification/tools/equations.py --write ${DPDREF_BOOK}
@@ -77,8 +80,12 @@ add_custom_target(docs
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/rooms.py --draw ${DPDREF_BOOK}/rooms.svg
     COMMAND ${DOXYGEN_EXECUTABLE} ${DPDREF_BOOK}/Doxyfile
     ${DPDREF_COPY_MATHJAX}
+    ${DPDREF_LIVE_SCRIPTS}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/search_index.py ${DPDREF_BOOK}/html
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/links.py ${DPDREF_BOOK}/html
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     COMMENT "The book: ${DPDREF_BOOK}/html/index.html"
     VERBATIM)
+if(TARGET live_engine)
+    add_dependencies(docs live_engine)
+endif()

@@ -5,6 +5,7 @@ usage: page.py FILE        prints the page with
                            labels on the headings of derivations (equations.py),
                            measured numbers (measured.py),
                            @figure{ID}: the picture, with its caption from docs/captions.toml and a link to its definition,
+                           @live{NAME}: what docs/live/live_pages.js has under that name (in a comment, so that README.md hides it),
                            \\solution ... \\endsolution: what a reader unfolds,
                            previous, contents and next at its end, in the order of docs/book.md
        page.py --check     every page is in the contents, every picture has a caption; exercises and their commands are counted
@@ -25,6 +26,7 @@ from equations import ROOT, read
 
 EXERCISES = 30  # at least, each with a solution by command
 MARK = re.compile(r"@figure\{([\w-]+)\}")
+LIVE = re.compile(r"^(?:<!-- )?@live\{(\w+)\}(?: -->)?$", flags=re.MULTILINE)
 LABEL = re.compile(r"# [^\n]*\{#([\w-]+)\}")
 WRITTEN = {"equations", "gallery", "claims"}  # pages that scripts make
 
@@ -62,6 +64,13 @@ def shown(name):
             f"<div class=\"seen\">\n{title}{text}\n<span class=\"more\">{more}</span>\n</div>\n")
 
 
+def live(name):
+    """A live part: an empty place for docs/live/live.js, and its scripts"""
+    scripts = "".join(f"<script src=\"{file}\"></script>" for file in ("live_scenes.js", "live.js", "live_pages.js"))
+    return (f"\\htmlonly <div class=\"live\" data-live=\"{name}\"><noscript><p>Here the fluid would move; your browser runs no "
+            f"scripts, and the page stands still.</p></noscript></div>{scripts} \\endhtmlonly")
+
+
 def ends(text):
     """Previous, contents, next"""
     label = LABEL.match(text)
@@ -81,6 +90,7 @@ def ends(text):
 
 def made(file):
     text = equations.labelled(file)
+    text = LIVE.sub(lambda match: live(match[1]), text)
     text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
     text = measured.drawn(text)
     text = MARK.sub(lambda match: shown(match[1]), text)
@@ -120,6 +130,10 @@ def mistakes():
             yield f"docs/captions.toml: {name}: no change, a parameter to try"
         elif sum(f"@figure{{{name}}}" in text for text in found.values()) < 1:
             yield f"the figure {name} stands in no page: @figure{{{name}}}"
+    described = set(re.findall(r"Live\.pages\.(\w+) = ", read(ROOT / "docs" / "live" / "live_pages.js")))
+    shown_live = [name for text in [*found.values(), read(ROOT / "README.md")] for name in LIVE.findall(text)]
+    if sorted(shown_live) != sorted(described):
+        yield f"live_pages.js describes {sorted(described)}; the pages show {sorted(shown_live)}"
     solutions = 0
     for label, text in found.items():
         for exercise in re.split(r"^\*\*\d+\. ", text.partition("\n## Exercises\n")[2], flags=re.MULTILINE)[1:]:
