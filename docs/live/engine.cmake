@@ -18,7 +18,9 @@ foreach(header Eigen/Core boost/version.hpp fmt/core.h toml++/toml.h hwy/highway
 endforeach()
 
 # Eigen asks for the registers of MMX, too, and uses none.
-file(WRITE ${DPDREF_LIVE}/include/mmintrin.h "")
+if(NOT EXISTS ${DPDREF_LIVE}/include/mmintrin.h)
+    file(WRITE ${DPDREF_LIVE}/include/mmintrin.h "")
+endif()
 
 # All rooms that a running scene stands on, without what keeps files of results.
 foreach(room base model plain engine engine/fast measure scene run live)
