@@ -434,7 +434,7 @@ def headings(claims):
         else:
             found[claim["id"]], before = plain(clause(text, 130)), text
     # a \\ref takes its text as it stands
-    for sign, entity in (("\\|", "&#124;"), ("\\*", "&#42;"), ("\\<", "&lt;"), ("\\>", "&gt;")):
+    for sign, entity in (("\\|", "∣"), ("\\*", "∗"), ("\\<", "&lt;"), ("\\>", "&gt;")):
         found = {name: title.replace(sign, entity) for name, title in found.items()}
     return found
 
