@@ -75,6 +75,7 @@ add_custom_target(docs
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${DPDREF_BOOK}/html
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/verification/tools/equations.py --write ${DPDREF_BOOK}
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/verification/tools/drawn_numbers.py
+    COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/verification/tools/members.py
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/docs/gallery.py ${DPDREF_BOOK}
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/verification/tools/claims.py --out ${DPDREF_BOOK}/claims.md
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/verification/tools/rooms.py --draw ${DPDREF_BOOK}/rooms.svg

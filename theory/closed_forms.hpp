@@ -67,8 +67,8 @@ double temperature_with_frozen_neighbours(ExplicitDpd const& fluid, double dt);
 /// A lower bound on kT of both limits at any dt, neighbours that never change and neighbours that are new at
 /// every step (eq. 22): A3/(2 m A1 (1 - n A1 dt/2)), what one mode of the mean rate n A1 would have, as the
 /// temperature of a mode is convex in its rate. For a fluid between the limits it is a heuristic. Derived in
-/// theory/MY1997.md, not in the paper; matched weights only. Throws std::domain_error for a random_weight, and
-/// for n A1 dt >= 2, where the mean mode itself is unstable.
+/// theory/MY1997.md, not in the paper; matched weights only. Throws std::domain_error for a random_weight,
+/// and for n A1 dt >= 2, where the mean mode itself is unstable.
 double temperature_of_the_mean_mode(ExplicitDpd const& fluid, double dt);
 
 /// Step at which eq. 22 diverges, 2 A1 / (n A1^2 + A2). @eq{MY1997,25}
@@ -96,8 +96,8 @@ struct Gas {
 /// A(r) and B(r) at a = w(r) dt/m are update_a and update_b of scheme.hpp. @eq{NG2007,5}
 /// With Scheme::linear, A = a, a form at finite step throws std::domain_error for gamma dt/m > 1.
 struct Shardlow {
-    double gamma = 0.0;  ///< friction where the weight is 1
-    Weight weight = Weight::linear;
+    double gamma = 0.0;                ///< friction where the weight is 1
+    Weight weight = Weight::linear;    ///< of the friction
     Scheme scheme = Scheme::shardlow;  ///< the limits dt -> 0 do not depend on it
 };
 
@@ -254,8 +254,8 @@ struct CoarseGraining {
 /// The channel of PK2006 sect. IV, in the atoms' units: its width (sigma) and the force on each atom
 /// (m sigma/tau^2).
 struct Channel {
-    double width = 34.2;
-    double force = 0.0085;
+    double width = 34.2;    ///< sigma
+    double force = 0.0085;  ///< on each atom, m sigma/tau^2
 };
 
 /// Mass of a particle, m Nm. @eq{PK2006,1} Unit that of m, the mass of an atom.
@@ -352,7 +352,7 @@ struct LennardJones {
     double epsilon = 1.0;                                 ///< energy
     double sigma = 1.0;                                   ///< length
     double rc = std::numeric_limits<double>::infinity();  ///< cut-off
-    Truncation truncation = Truncation::none;
+    Truncation truncation = Truncation::none;             ///< what happens at the cut-off
 };
 
 /// Energy of a pair at the distance r > 0; 0 at and beyond rc.

@@ -21,10 +21,10 @@ using Thermostat = std::variant<Shardlow, Lowe>;
 /// or in steps: all collide once (A = A(w step) by the scheme, or a new velocity with probability Gamma step)
 /// and the medium keeps exp(-medium step) of a velocity, then all drift.
 struct Encounter {
-    int d = 3;
-    Thermostat thermostat;
-    double medium = 0.0;  ///< rate at which the medium alone would relax a velocity
-    double step = 0.0;
+    int d = 3;              ///< dimension
+    Thermostat thermostat;  ///< what happens in range
+    double medium = 0.0;    ///< rate at which the medium alone would relax a velocity
+    double step = 0.0;      ///< time; 0: continuous
 };
 
 /// Weight of the pair's friction; of Lowe's thermostat 1.
@@ -37,7 +37,9 @@ double loss(Encounter const& pair, int i, double r);
 
 /// A number known from both sides. The mean of the bounds is much closer to it than either.
 struct Bounds {
-    double lower = 0.0, upper = 0.0;
+    double lower = 0.0;  ///< not above the number
+    double upper = 0.0;  ///< not below it
+    /// Of the two.
     double mean() const { return 0.5 * (lower + upper); }
 };
 
@@ -78,14 +80,20 @@ public:
     /// force_memory.
     StepEncounter(Encounter const& pair, int rank, int degree);
     ~StepEncounter();
+    /// Takes another's matrices.
     StepEncounter(StepEncounter&&) noexcept;
+    /// The same.
     StepEncounter& operator=(StepEncounter&&) noexcept;
 
+    /// As dpd::theory::force_memory, for a friction of the medium.
     double force_memory(double medium) const;
     /// \f$\langle ss\rangle\f$, \f$\langle BB\rangle\f$, \f$\langle sB\rangle\f$ as in StressMemory.
     struct Stress {
-        double collision, relaxation, cross;
+        double collision;   ///< \f$\langle ss\rangle\f$
+        double relaxation;  ///< \f$\langle BB\rangle\f$
+        double cross;       ///< \f$\langle sB\rangle\f$
     };
+    /// As dpd::theory::stress_memory, for a friction of the medium.
     Stress stress_memory(double medium) const;
 
 private:

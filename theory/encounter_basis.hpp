@@ -22,8 +22,12 @@ constexpr double speed = std::numbers::sqrt2;
 /// A polynomial in the velocity u = g/speed: Hermite of order i along r^, and across it the m-th power of
 /// u_t times Laguerre of order p in u_t^2/2, all orthonormal under the Maxwell distribution.
 struct VelocityFunction {
-    int m, i, p;
+    int m;  ///< power of u_t
+    int i;  ///< order of the Hermite polynomial along r^
+    int p;  ///< order of the Laguerre polynomial in u_t^2/2
+    /// Degree in u_t.
     int tangential_degree() const { return 2 * p + m; }
+    /// Degree in u.
     int degree() const { return i + tangential_degree(); }
 };
 
@@ -42,12 +46,13 @@ void check(Encounter const& pair, int degree);
 
 /// A source of a correlation: a function of the velocity times an amplitude that depends on r.
 struct Source {
-    VelocityFunction function;
-    std::function<double(Encounter const& pair, double r)> amplitude;
+    VelocityFunction function;                                         ///< of the velocity
+    std::function<double(Encounter const& pair, double r)> amplitude;  ///< at a distance
 };
 /// w r^.g, and its tensor's norm is 1.
 extern Source const force_source;
-/// s, and B in its two parts; both in units of their tensors, of which \f$\langle T_{xy}U_{xy}\rangle=\langle T:U\rangle\f$ xy_share(d).
+/// s, and B in its two parts; both in units of their tensors, of which \f$\langle T_{xy}U_{xy}\rangle=\langle
+/// T:U\rangle\f$ xy_share(d).
 extern Source const stress_source, relaxation_along, relaxation_across;
 double xy_share(int d);
 
@@ -57,8 +62,10 @@ using ElementMatrix = Eigen::Matrix<double, order + 1, order + 1>;
 
 /// A quadrature point of an element: r, its share of the volume, and the shape functions and their slopes.
 struct Point {
-    double r, volume;
-    ElementVector shape, slope;
+    double r;             ///< distance
+    double volume;        ///< its share of the volume
+    ElementVector shape;  ///< values of the shape functions
+    ElementVector slope;  ///< their derivatives by r
 };
 
 /// Value and slope of the Lagrange polynomials through Chebyshev's points of [0, 1].
@@ -70,10 +77,14 @@ public:
     /// `inside` elements in the range; outside each is wider than the one before.
     RadialMesh(int d, int inside, double outermost);
 
+    /// How many there are.
     int elements() const { return static_cast<int>(ends_.size()) - 1; }
     int nodes() const { return elements() * order; }  ///< without the outermost, which is held at zero
+    /// Smallest distance of an element.
     double start(int element) const { return ends_[element]; }
+    /// Its largest.
     double end(int element) const { return ends_[element + 1]; }
+    /// Points of the Gauss rule on an element.
     std::vector<Point> points(int element) const;
     /// Points of the Gauss rule on the part [from, to] of an element.
     std::vector<Point> points(int element, double from, double to) const;

@@ -13,9 +13,10 @@
 
 namespace dpd::theory {
 
+/// An argument, for messages.
 struct Quantity {
-    char const* name;
-    double value;
+    char const* name;  ///< as the user calls it
+    double value;      ///< that is checked
 };
 
 /// std::invalid_argument, naming the quantity, unless each is positive and finite.

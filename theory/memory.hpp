@@ -30,13 +30,15 @@ struct CoefficientWithMemory {
     double collective = 0.0;  ///< the fluid around
     double cross = 0.0;       ///< kinetic stress that came from collision stress, or the other way
     double error = 0.0;       ///< estimated numerical error
+    /// The sum.
     double value() const { return at_once + pair + collective + cross; }
 };
 
+/// What momentum and particles are carried by.
 struct TransportWithMemory {
-    CoefficientWithMemory diffusion_constant;
-    CoefficientWithMemory kinetic_viscosity;
-    CoefficientWithMemory collision_viscosity;
+    CoefficientWithMemory diffusion_constant;   ///< length^2 per time
+    CoefficientWithMemory kinetic_viscosity;    ///< carried by particles that move
+    CoefficientWithMemory collision_viscosity;  ///< carried by the thermostat's impulses
 };
 
 /// The three coefficients at a step dt, or for dt = 0 in continuous time, numerically within about 1e-4 (see
@@ -59,7 +61,8 @@ TransportWithMemory transport_with_memory(Gas const& gas, Lowe const& thermostat
 struct TemperatureWithMemory {
     double at_once = 0.0;  ///< eq. 22
     double pair = 0.0;     ///< what partners that stay take from it
-    double error = 0.0;
+    double error = 0.0;    ///< estimated numerical error, energy
+    /// The sum.
     double value() const { return at_once + pair; }
 };
 TemperatureWithMemory temperature_with_memory(ExplicitDpd const& fluid, double dt);

@@ -12,19 +12,23 @@ namespace dpd::theory {
 /// What the fluid shall have: two of the three coefficients, or one and the step. Units as in
 /// closed_forms.hpp.
 struct Wanted {
-    std::optional<double> viscosity = std::nullopt;  ///< kinetic and collision viscosity
-    std::optional<double> diffusion_constant = std::nullopt;
-    std::optional<double> schmidt_number = std::nullopt;  ///< viscosity/(n m D)
-    std::optional<double> dt = std::nullopt;
+    std::optional<double> viscosity = std::nullopt;           ///< kinetic and collision viscosity
+    std::optional<double> diffusion_constant = std::nullopt;  ///< D
+    std::optional<double> schmidt_number = std::nullopt;      ///< viscosity/(n m D)
+    std::optional<double> dt = std::nullopt;                  ///< the step
 };
 
+/// The fluid that was found.
 struct Tuned {
-    double gamma = 0.0, dt = 0.0;
-    TransportWithMemory transport;
+    double gamma = 0.0;             ///< friction, mass per time
+    double dt = 0.0;                ///< step, time
+    TransportWithMemory transport;  ///< what it then has
 
+    /// Kinetic and collision part.
     double viscosity() const {
         return transport.kinetic_viscosity.value() + transport.collision_viscosity.value();
     }
+    /// Viscosity over n m D.
     double schmidt_number(Gas const& gas) const {
         return viscosity() / (gas.n * gas.m * transport.diffusion_constant.value());
     }

@@ -16,7 +16,9 @@ namespace dpd {
 
 /// A state point: an integrator, a fluid, a step.
 struct StatePoint {
-    std::string id, title, integrator;  ///< of the state point; the integrator by name
+    std::string id;                                                 ///< on the command line
+    std::string title;                                              ///< in the tables
+    std::string integrator;                                         ///< by name
     std::vector<std::pair<std::string, std::string>> closed_forms;  ///< quantity, id of `dpdref theory`
 };
 

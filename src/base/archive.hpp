@@ -17,7 +17,12 @@ namespace dpd {
 /// none. Errors: InputError naming the file; Damaged if it is not as it was written.
 class Archive {
 public:
-    enum class Mode { read, write };
+    /// What the same calls do.
+    enum class Mode {
+        read,   ///< restore from the file
+        write,  ///< store, in memory until `commit`
+    };
+    /// Opens `path`; reading checks its digest.
     Archive(std::filesystem::path path, Mode mode);
     ~Archive();
     Archive(Archive const&) = delete;
@@ -29,17 +34,25 @@ public:
     /// Damaged: the file holds a value that cannot be, or not here.
     [[noreturn]] void refuse(std::string const& name, std::string const& problem) const;
 
+    /// Whether values are restored.
     bool reading() const { return mode_ == Mode::read; }
+    /// Whether the file has that value; of a file that is read.
     bool has(std::string const& name) const;
 
     /// Names of the H5MD observables that are one number per sample.
     std::vector<std::string> observables() const;
 
+    /// Stores or restores a value.
     void operator()(std::string const& name, double& value);
+    /// The same for a whole number.
     void operator()(std::string const& name, std::uint64_t& value);
+    /// The same for a text.
     void operator()(std::string const& name, std::string& value);
+    /// The same for a list of any length.
     void operator()(std::string const& name, std::vector<double>& values);
+    /// The same for whole numbers.
     void operator()(std::string const& name, std::vector<std::uint64_t>& values);
+    /// The same for an array, rows x columns; reading sets the number of rows.
     template <class Scalar, int columns, int options>
     void operator()(std::string const& name, Eigen::Array<Scalar, Eigen::Dynamic, columns, options>& values) {
         array(name, values);

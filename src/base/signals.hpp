@@ -18,6 +18,7 @@ std::atomic<bool> const& stop_requested();
 /// While one lives, the program is not ended in the middle: a file is being written.
 class Unhurried {
 public:
+    /// Signals wait from here on.
     Unhurried();
     ~Unhurried();
     Unhurried(Unhurried const&) = delete;

@@ -22,8 +22,8 @@ namespace dpd {
 
 /// What a number may be, and how to say so.
 struct Allowed {
-    bool (*test)(double);
-    std::string_view text;
+    bool (*test)(double);   ///< whether the number may be
+    std::string_view text;  ///< what may be, for messages
 };
 inline constexpr Allowed positive{[](double x) { return x > 0.0; }, "a number > 0"};
 inline constexpr Allowed non_negative{[](double x) { return x >= 0.0; }, "a number >= 0"};
@@ -34,12 +34,19 @@ inline constexpr Allowed non_negative_integer{[](double x) { return x >= 0.0; },
 /// A table whose keys are read one by one; `finish` complains about those that nothing has asked for.
 class TomlReader {
 public:
+    /// The table at `path` (dots between the tables) of `file`, as messages name them.
     TomlReader(toml::table const& table, std::string path, std::string file);
 
+    /// Whether the key is there; counts as asking for it.
     bool has(std::string const& key);
+    /// A finite number; without a fallback it must be there. InputError, as of all below, says what is
+    /// allowed.
     double number(std::string const& key, std::optional<double> fallback, Allowed allowed);
+    /// A whole number.
     std::uint64_t integer(std::string const& key, std::optional<std::uint64_t> fallback, Allowed allowed);
+    /// true or false.
     bool boolean(std::string const& key, bool fallback);
+    /// A text, one of `allowed` if that is not empty.
     std::string text(std::string const& key, std::optional<std::string> fallback,
                      std::span<std::string_view const> allowed = {});
 
@@ -49,8 +56,10 @@ public:
         return *value_of<Enum>(text(key, std::move(fallback), names<Enum>));
     }
 
+    /// A list of numbers, each allowed.
     std::vector<double> numbers(std::string const& key, std::optional<std::vector<double>> fallback,
                                 Allowed allowed);
+    /// A list of texts, each one of `allowed` if that is not empty.
     std::vector<std::string> texts(std::string const& key, std::optional<std::vector<std::string>> fallback,
                                    std::span<std::string_view const> allowed = {});
 
@@ -63,6 +72,7 @@ public:
     /// All tables of an array of tables; empty if it is not there.
     std::vector<TomlReader> tables(std::string const& key);
 
+    /// The table as toml++ has it.
     toml::table const& raw() const { return table_; }
 
     /// InputError for a key that nothing has asked for.

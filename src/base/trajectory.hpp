@@ -12,10 +12,10 @@ namespace dpd {
 
 /// What all frames of a trajectory share, and whose it is.
 struct TrajectoryOf {
-    std::string run;  ///< key of the run: no other run writes to its file
-    std::vector<double> box_length;
-    std::size_t particles = 0;
-    double shear_rate = 0.0;
+    std::string run;                 ///< key of the run: no other run writes to its file
+    std::vector<double> box_length;  ///< sides
+    std::size_t particles = 0;       ///< in each frame
+    double shear_rate = 0.0;         ///< du_x/dy, 1/time
 };
 
 /// A trajectory in the H5MD layout (de Buyl, Colberg & Hofling, Comput. Phys. Commun. 185, 1546 (2014)). Its

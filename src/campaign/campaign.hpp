@@ -29,12 +29,13 @@ Shard shard_from_text(std::string_view text);
 /// shard.
 std::vector<std::size_t> share_of(std::size_t jobs, Shard const& shard);
 
+/// How a campaign is run, and where.
 struct CampaignOptions {
-    std::filesystem::path cache;   ///< of finished and unfinished runs
-    std::filesystem::path output;  ///< of data and pictures
-    unsigned jobs = 1;             ///< at a time
-    std::atomic<bool> const* stop = nullptr;
-    std::optional<Shard> shard = {};  ///< do only this part, into the cache
+    std::filesystem::path cache;              ///< of finished and unfinished runs
+    std::filesystem::path output;             ///< of data and pictures
+    unsigned jobs = 1;                        ///< at a time
+    std::atomic<bool> const* stop = nullptr;  ///< ends the campaign after the present step of its runs
+    std::optional<Shard> shard = {};          ///< do only this part, into the cache
 };
 
 /// Told now and then which fraction of a piece of work is done.

@@ -18,8 +18,8 @@ inline constexpr int exit_done = 0, exit_disagrees = 1, exit_bad_input = 2, exit
 
 /// A subcommand, and what it does once the command line has been read; returns the exit code.
 struct Command {
-    CLI::App* subcommand = nullptr;
-    std::function<int()> act;
+    CLI::App* subcommand = nullptr;  ///< that CLI11 has read
+    std::function<int()> act;        ///< what it does; returns the exit code
 };
 
 // theory_commands.cpp

@@ -54,9 +54,9 @@ constexpr std::string_view name_of(Order value) {
 template <int d>
 class PairSearch {
 public:
-    Search search = Search::cell;
-    Order order = Order::cell;
-    double cutoff = 1.0;
+    Search search = Search::cell;  ///< how pairs are found
+    Order order = Order::cell;     ///< in which order they are listed
+    double cutoff = 1.0;           ///< largest distance, length
 
     /// Refuses (InputError) a box in which a particle could meet two images of another: the minimum image
     /// needs sides of at least two cutoffs.

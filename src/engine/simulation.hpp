@@ -23,28 +23,33 @@ struct Simulation;
 /// A stage acts on the state once per step. Its place in the list is the stream of its noise.
 template <int d>
 struct Stage {
-    using Act = std::function<void(Simulation<d>&, NoiseKey)>;
-    std::string name;
-    Act act;
+    using Act =
+        std::function<void(Simulation<d>&, NoiseKey)>;  ///< what a stage does, and the key of its noise
+    std::string name;                                   ///< as a scene has it
+    Act act;                                            ///< what it does
 
+    /// One of the table.
     Stage(AnyStage const& stage);
+    /// The same, from its struct.
     template <class S>
     requires std::constructible_from<AnyStage, S> Stage(S const& stage) : Stage(AnyStage(stage)) {}
+    /// One that is in no table.
     Stage(std::string its_name, Act does) : name(std::move(its_name)), act(std::move(does)) {}
 };
 
 extern template struct Stage<2>;
 extern template struct Stage<3>;
 
+/// A state, the stages of its time step, and the search that they share.
 template <int d>
 struct Simulation : State<d> {
     using State<d>::particles, State<d>::box, State<d>::seed, State<d>::step, State<d>::time_step,
         State<d>::time, State<d>::pair_list, State<d>::momentum_change, State<d>::force, State<d>::counters,
         State<d>::pairs_of_step, State<d>::pairs_found;
 
-    std::vector<Stage<d>> stages;
-    PairSearch<d> pair_search;
-    double hottest = 0.0;  ///< kT beyond which the run counts as diverged; 0: none
+    std::vector<Stage<d>> stages;  ///< of a time step, in order
+    PairSearch<d> pair_search;     ///< whose list all stages share
+    double hottest = 0.0;          ///< kT beyond which the run counts as diverged; 0: none
     std::function<PotentialSums(Simulation&)> potential_sums;  ///< of the scene's potential, if it has one
     std::function<void(Simulation&)> sample;                   ///< what the stage of that name calls
 

@@ -55,14 +55,16 @@ struct Criterion {
 
 /// One measured point against one criterion.
 struct Comparison {
-    std::string figure, curve, parameter;  ///< where it stands; the parameter along x
-    double x = 0.0;                        ///< value of the varied parameter
-    Criterion criterion{};                 ///< what was asked
-    Estimate estimate{};                   ///< the value, its error and blocks
-    double theory = 0.0;                   ///< the reference value
-    double theory_error = 0.0;             ///< of a "curve:NAME" reference
-    std::uint64_t runs = 0;                ///< behind the point
-    double seconds = 0.0;                  ///< run time of all runs behind the point
+    std::string figure;         ///< id
+    std::string curve;          ///< name of its curve
+    std::string parameter;      ///< that is along x, "table.key"
+    double x = 0.0;             ///< value of the varied parameter
+    Criterion criterion{};      ///< what was asked
+    Estimate estimate{};        ///< the value, its error and blocks
+    double theory = 0.0;        ///< the reference value
+    double theory_error = 0.0;  ///< of a "curve:NAME" reference
+    std::uint64_t runs = 0;     ///< behind the point
+    double seconds = 0.0;       ///< run time of all runs behind the point
 };
 
 /// A figure's points: scenes to run and criteria to judge.
@@ -75,14 +77,18 @@ struct Point {
     double seconds = 0.0;              ///< run time of its runs
 };
 
+/// One line of points of a figure.
 struct FigureCurve {
-    std::string name, label, parameter;
-    std::vector<Criterion> criteria;
+    std::string name;                        ///< by which others refer to it
+    std::string label;                       ///< in the legend
+    std::string parameter;                   ///< that is varied, "table.key"
+    std::vector<Criterion> criteria;         ///< for each of its points
     std::vector<double> line;                ///< range of the theory line; empty: the points'
     std::string join;                        ///< name of a curve whose quantities are added at the same x
     std::vector<std::string> slope_between;  ///< names of the curves at a lower and at a higher density
     std::string record;                      ///< what is drawn is this measured curve, over its own x
-    double from = 0.0, to = INFINITY;        ///< of the measured curve
+    double from = 0.0;                       ///< first x of the measured curve that is shown
+    double to = INFINITY;                    ///< last one
     std::uint64_t every = 1;                 ///< one in so many of its bins
     double seconds = 0.0;                    ///< run time behind its points, each run counted once
 };
@@ -105,13 +111,18 @@ struct Convergence {
     bool floor_resolved = false;  ///< whether chance alone would not make it
 };
 
+/// A figure: its definition and, once its runs are there, what they measured.
 struct Figure {
-    std::string id, paper, number, title, caption;
-    std::filesystem::path directory;
-    std::vector<FigureCurve> curves;
-    std::vector<Point> points;
-    double seconds = 0.0;  ///< run time of all its scenes, each counted once
-    std::vector<Convergence> convergence;
+    std::string id;                        ///< name of its directory
+    std::string paper;                     ///< that it belongs to
+    std::string number;                    ///< there
+    std::string title;                     ///< above the picture
+    std::string caption;                   ///< below it
+    std::filesystem::path directory;       ///< of its definition
+    std::vector<FigureCurve> curves;       ///< in the order of the file
+    std::vector<Point> points;             ///< curve by curve
+    double seconds = 0.0;                  ///< run time of all its scenes, each counted once
+    std::vector<Convergence> convergence;  ///< of its curves' criteria
 };
 
 }  // namespace dpd

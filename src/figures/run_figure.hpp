@@ -17,7 +17,7 @@ namespace dpd {
 
 /// What the runs of a campaign took, each run counted once, whenever it was done.
 struct RunTime {
-    std::size_t runs = 0;
+    std::size_t runs = 0;  ///< how many
     double seconds = 0.0;  ///< of one core
 };
 

@@ -39,8 +39,9 @@ CodeOutput read_output(std::filesystem::path const& file, std::size_t run = 0);
 
 /// COLUMN=quantity[*factor]: `factor` times the column is the quantity.
 struct Renaming {
-    std::string column, quantity;  ///< a column of the output and the quantity that it is
-    double factor = 1.0;           ///< from the output's unit to the quantity's
+    std::string column;    ///< of the output
+    std::string quantity;  ///< that it is, by dpdref's name
+    double factor = 1.0;   ///< from the output's unit to the quantity's
 };
 
 /// InputError for anything else.
@@ -92,9 +93,11 @@ Averages average(std::vector<CodeOutput> const& outputs, Reference const& refere
 /// A quantity of both.
 struct CodeComparison {
     std::string quantity;                  ///< that both have
-    Estimate value, reference;             ///< of the output, and of the reference
+    Estimate value;                        ///< of the output
+    Estimate reference;                    ///< of the reference
     Estimate difference{};                 ///< with the combined error
     Verdict verdict = Verdict::undecided;  ///< at the false-alarm rate of the whole table
+    /// The difference in units of its error.
     double z() const { return difference.value / difference.error; }
 };
 

@@ -35,17 +35,17 @@ public:
     /// Whether the scene's duration is over.
     virtual bool complete() const = 0;
 
-    virtual Scene const& scene() const = 0;
-    virtual Record const& record() const = 0;
-    virtual std::uint64_t step() const = 0;
-    virtual std::uint64_t measured_steps() const = 0;
-    virtual double time() const = 0;
-    virtual double kinetic_temperature() const = 0;  ///< at this instant
-    virtual double offset() const = 0;               ///< of the image across the upper y boundary, length
+    virtual Scene const& scene() const = 0;            ///< as it runs
+    virtual Record const& record() const = 0;          ///< what was measured
+    virtual std::uint64_t step() const = 0;            ///< done
+    virtual std::uint64_t measured_steps() const = 0;  ///< since measuring began
+    virtual double time() const = 0;                   ///< of the positions
+    virtual double kinetic_temperature() const = 0;    ///< at this instant
+    virtual double offset() const = 0;                 ///< of the image across the upper y boundary, length
 
     /// Row-major, particles x dimension, by id; positions in the box, velocities in the laboratory frame.
     virtual std::vector<double> positions() const = 0;
-    virtual std::vector<double> velocities() const = 0;
+    virtual std::vector<double> velocities() const = 0;  ///< of the same shape
 };
 
 }  // namespace dpd

@@ -17,10 +17,13 @@ namespace dpd {
 template <int d>
 class Instant {
 public:
+    /// Of a simulation as it is.
     explicit Instant(Simulation<d>& sampled) : simulation(sampled) {}
-    Simulation<d>& simulation;
+    Simulation<d>& simulation;  ///< that is sampled
 
+    /// How many there are, walls included.
     double particles() const { return double(simulation.particles.size()); }
+    /// kT of the peculiar velocities.
     double kinetic_temperature() const {
         return dpd::kinetic_temperature(simulation.particles, simulation.box);
     }
@@ -46,10 +49,10 @@ enum class Analysis {
 template <class Value>
 struct Series {
     std::string_view observable;  ///< which has to be asked for
-    std::string_view name;
-    bool needs_potential;  ///< is not there in a scene without one
-    Analysis analysis;
-    Value value;
+    std::string_view name;        ///< of the series
+    bool needs_potential;         ///< is not there in a scene without one
+    Analysis analysis;            ///< what becomes of it
+    Value value;                  ///< finds it
 };
 template <class Value>
 Series(std::string_view, std::string_view, bool, Analysis, Value) -> Series<Value>;
@@ -108,7 +111,8 @@ constexpr bool is_observable(std::string_view name) {
 
 /// The name of an observable; one that is none does not compile.
 struct ObservableName {
-    std::string_view text;
+    std::string_view text;  ///< the name
+    /// Of the table's; another does not compile.
     consteval ObservableName(char const* name) : text(name) {
         if (!is_observable(text)) throw "no observable of that name";
     }

@@ -26,16 +26,18 @@ struct CorrelationParameters {
     std::uint64_t origin_spacing = 1;  ///< a multiple of `spacing`
 };
 
+/// Profiles of velocity and density across the flow.
 struct ProfileParameters {
-    std::uint64_t interval = 1;
-    std::uint64_t bins = 40;
-    bool temperature = false;
+    std::uint64_t interval = 1;  ///< between samples, steps
+    std::uint64_t bins = 40;     ///< over the side along y
+    bool temperature = false;    ///< whether kT of each bin is sampled, too
 };
 
+/// The radial distribution function g(r).
 struct RadialDistributionParameters {
-    std::uint64_t interval = 100;
-    std::uint64_t bins = 100;
-    double range = 2.0;
+    std::uint64_t interval = 100;  ///< between samples, steps
+    std::uint64_t bins = 100;      ///< over the range
+    double range = 2.0;            ///< largest distance, length
 };
 
 /// Bonds between particles closer than `range`: the order parameters of crystals.
@@ -44,6 +46,7 @@ struct BondOrderParameters {
     double range = 1.0;            ///< longest bond, length
 };
 
+/// What is measured, and when.
 struct SampleParameters {
     std::uint64_t interval = 1;                      ///< steps between samples of the scalars
     std::uint64_t equilibration = 0;                 ///< steps before the first sample
@@ -52,12 +55,13 @@ struct SampleParameters {
     bool configuration = false;                      ///< the positions at the last sample
     std::uint64_t green_kubo_window = 0;  ///< steps over which stress is summed for the viscosity; 0: none
     int components = 0;  ///< of displacements and velocities that tell of diffusion: the last so many axes
-    std::optional<ProfileParameters> profile;
-    std::optional<RadialDistributionParameters> radial_distribution;
-    std::optional<CorrelationParameters> mean_square_displacement;
-    std::optional<CorrelationParameters> velocity_autocorrelation;
-    std::optional<BondOrderParameters> bond_order;
+    std::optional<ProfileParameters> profile;                         ///< none: not sampled
+    std::optional<RadialDistributionParameters> radial_distribution;  ///< none: not sampled
+    std::optional<CorrelationParameters> mean_square_displacement;    ///< none: not sampled
+    std::optional<CorrelationParameters> velocity_autocorrelation;    ///< none: not sampled
+    std::optional<BondOrderParameters> bond_order;                    ///< none: not sampled
 
+    /// Whether an observable is wanted.
     bool asks(ObservableName observable) const { return observables.contains(observable.text); }
 };
 
@@ -67,6 +71,7 @@ struct Curve {
     Eigen::ArrayXXd sum;     ///< bins x blocks
     Eigen::ArrayXXd weight;  ///< bins x blocks
 
+    /// Makes room for so many bins, without data.
     void resize(std::size_t bins);
     /// Block means of one bin; blocks without data are left out.
     std::vector<double> block_means(Eigen::Index bin) const;
@@ -77,6 +82,7 @@ struct Record {
     std::map<std::string, std::vector<double>, std::less<>> series;  ///< one value per sample
     std::map<std::string, Curve> curves;                             ///< by name
     Eigen::ArrayXXd configuration;  ///< positions by id, in the box; empty unless asked for
+    /// Stores or restores all of it.
     void archive(Archive& archive);
 };
 
@@ -95,9 +101,13 @@ BondOrder bond_order(Particles<3> const& particles, PairList<3> const& pairs, in
 template <int d>
 class Recorder {
 public:
+    /// For runs of that simulation.
     Recorder(SampleParameters parameters, Simulation<d> const& simulation);
+    /// Samples what is due in this step.
     void operator()(Simulation<d>& simulation);
+    /// Stores or restores what was measured and the open time origins.
     void archive(Archive& archive);
+    /// What was measured so far.
     Record const& record() const { return record_; }
 
 private:

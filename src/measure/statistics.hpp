@@ -11,7 +11,7 @@ namespace dpd {
 
 /// A mean with its standard error, from `blocks` block averages that may be taken as independent.
 struct Estimate {
-    double value = 0.0;
+    double value = 0.0;       ///< the mean
     double error = 0.0;       ///< one standard error; NaN with fewer than two blocks
     std::size_t blocks = 0;   ///< the error has blocks-1 degrees of freedom
     double inefficiency = 1;  ///< samples per independent sample

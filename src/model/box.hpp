@@ -19,11 +19,17 @@ struct Box {
     double shear_rate = 0.0;         ///< du_x/dy, 1/time
     double wall = 0.0;  ///< thickness of the wall at either y boundary; the fluid is between them
 
+    /// Of the whole box, walls included: length^d.
     double volume() const { return length.prod(); }
+    /// Between the walls.
     double fluid_volume() const { return volume() * (1.0 - 2.0 * wall / length[1]); }
+    /// Whether there is a flow.
     bool sheared() const { return shear_rate != 0.0; }
+    /// Speed of the image above the box along x, length per time.
     double image_speed() const { return shear_rate * length[1]; }
+    /// Displacement of the image above the box along x at a time, within one side.
     double offset(double time) const { return std::fmod(image_speed() * time, length[0]); }
+    /// u_x at the height y; zero in the middle of the box.
     double flow_velocity(double y) const { return shear_rate * (y - 0.5 * length[1]); }
 
     // [bounce back]

@@ -51,8 +51,9 @@ enum class Mover {
 struct Key {
     /// Which member of DpdFluid it holds, in the code's units and meaning.
     enum Role { gamma, rc, kT, m, a, dt, other };
-    Role role;
-    std::string_view name, meaning;
+    Role role;                       ///< the member of DpdFluid
+    std::string_view name;           ///< as the code calls it
+    std::string_view meaning;        ///< for messages, with its unit
     std::string_view fallback = "";  ///< empty: required; "-": may be missing
     bool may_be_zero = false;        ///< a number: >= 0 rather than > 0
 };
@@ -61,9 +62,10 @@ class Given;
 
 /// A code or a paper.
 struct Code {
-    std::string_view name, title;
-    Mover mover;
-    std::vector<Key> keys;
+    std::string_view name;   ///< on the command line
+    std::string_view title;  ///< in pages and messages
+    Mover mover;             ///< what a step of it does
+    std::vector<Key> keys;   ///< its parameters, in the order of its manual
     /// What the roles do not say: changes of unit and meaning, the weight.
     void (*read)(Given const&, DpdFluid&);
     /// The way back, adding parameters without a role; refuses what the code cannot have.

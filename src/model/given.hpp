@@ -19,6 +19,7 @@ namespace dpd {
 /// A code's parameters as given, with the defaults of its keys.
 class Given {
 public:
+    /// InputError for a name that the code does not have or that comes twice.
     Given(Code const& code, Assignments const& given) : code_(code), given_(given) {
         for (auto it = given.begin(); it != given.end(); ++it) {
             key(it->first);
@@ -27,6 +28,7 @@ public:
         }
     }
 
+    /// Whether a parameter was given or has a default.
     bool has(std::string_view name) const { return !text(name).empty(); }
 
     /// Empty where the key may be missing and is.
@@ -39,6 +41,7 @@ public:
         return std::string(k.fallback == "-" ? "" : k.fallback);
     }
 
+    /// A finite number, > 0, or >= 0 where the key says so.
     double number(std::string_view name) const {
         auto const value = text(name);
         double number = 0.0;
@@ -49,6 +52,7 @@ public:
         return number;
     }
 
+    /// A weight function by its name.
     Weight weight(std::string_view name) const {
         if (auto const found = value_of<Weight>(text(name))) return *found;
         refuse(name, name_list<Weight>());
@@ -60,6 +64,7 @@ public:
             fmt::format("{}: {}: '{}' is not allowed; allowed: {}", code_.name, name, text(name), allowed));
     }
 
+    /// The code's name, for messages.
     std::string_view code() const { return code_.name; }
 
 private:

@@ -15,7 +15,8 @@ namespace dpd {
 /// upper Lees-Edwards boundary.
 template <int d>
 struct Pair {
-    std::uint32_t i, j;            ///< rows of the particle state
+    std::uint32_t i;               ///< row of one particle
+    std::uint32_t j;               ///< row of the other
     Eigen::Array<double, 1, d> e;  ///< unit vector from j to i
     double r;                      ///< distance
     bool crossing;                 ///< across the sheared boundary
@@ -29,17 +30,20 @@ struct PairList {
     std::size_t count = 0;                    ///< of pairs
     std::vector<std::uint32_t> crossing;      ///< which ones, ascending; empty without shear
     std::size_t coincident = 0;               ///< pairs at r = 0: no direction, so no interaction
-    std::vector<std::uint32_t> i, j;          ///< rows of the particle state
+    std::vector<std::uint32_t> i;             ///< row of one particle of each pair
+    std::vector<std::uint32_t> j;             ///< row of the other
     std::array<std::vector<double>, d> unit;  ///< (r_i - r_j)/r
     std::vector<double> distance;             ///< r, in (0, cutoff)
     std::vector<double> impulse;              ///< change of i's velocity along `unit` in the last pair update
     bool updated = false;                     ///< there was one
 
+    /// Leaves no pair; the memory stays.
     void clear() {
         count = coincident = 0;
         updated = false;
         crossing.clear();
     }
+    /// Makes the arrays at least so long.
     void grow_to(std::size_t size);
 
     /// Adds a pair, without an impulse.
@@ -61,6 +65,7 @@ struct PairList {
         return result;
     }
 
+    /// Bytes held by the arrays.
     std::size_t bytes() const;
 };
 

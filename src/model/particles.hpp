@@ -24,10 +24,14 @@ struct Particles {
     double mass = 1.0;                                  ///< of each, in the scene's unit
     std::uint32_t fluid = 0;  ///< how many may move: their ids come first; the others are the walls'
 
+    /// N, the walls' particles included.
     Eigen::Index size() const { return position.rows(); }
+    /// Whether some may not move.
     bool has_walls() const { return fluid < size(); }
+    /// Whether the particle in that row belongs to a wall.
     bool frozen(Eigen::Index row) const { return id[row] >= fluid; }
 
+    /// n fluid particles at the origin, at rest.
     void resize(Eigen::Index n) {
         position.setZero(n, d);
         velocity.setZero(n, d);

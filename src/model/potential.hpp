@@ -15,6 +15,7 @@ namespace dpd {
 struct Soft {
     double strength = 0.0;  ///< energy
     double cutoff = 1.0;    ///< range, length
+    /// U at a distance below the cutoff.
     double energy(double r) const {
         double const x = 1.0 - r / cutoff;
         return 0.5 * strength * x * x;
@@ -32,11 +33,14 @@ struct LennardJones {
     double sigma = 1.0;    ///< where it is zero, length
     double cutoff = 2.5;   ///< where the force is truncated, length
     bool shifted = false;  ///< whether the energy is zero at the cutoff
+    /// U at a distance below the cutoff.
     double energy(double r) const { return plain_energy(r) - (shifted ? plain_energy(cutoff) : 0.0); }
+    /// -dU/dr
     double force(double r) const {
         double const s6 = sixth_power(r);
         return 24.0 * epsilon * s6 * (2.0 * s6 - 1.0) / r;
     }
+    /// d2U/dr2
     double curvature(double r) const {
         double const s6 = sixth_power(r);
         return 24.0 * epsilon * s6 * (26.0 * s6 - 7.0) / (r * r);

@@ -35,6 +35,7 @@ enum class Moves {
 /// Whether a stage leaves the impulses of friction and noise with the pairs, for the collision stress.
 enum class Impulses { none, left };
 
+/// Whether a stage knows frozen particles, of which walls are made.
 enum class Walls { unknown, known };
 
 /// What others must know of a kind of stage.
@@ -64,11 +65,16 @@ using TheoryArguments = std::map<std::string, std::string>;
 /// A number as the command line has it.
 inline std::string argument(double value) { return fmt::format("{}", value); }
 
-/// What a stage says that has no parameters and acts on no pairs.
+/// What every stage says of itself beside its `kind`, here of one that has no parameters and acts on no
+/// pairs.
 struct WithoutParameters {
+    /// Takes the stage's parameters from its table in a scene. InputError as for scenes.
     void read(TomlReader&, StageSetting const&) {}
+    /// Cutoff of the pairs that it needs, length; 0: none.
     double range() const { return 0.0; }
+    /// kT to which it drives the particles, energy; 0: it has none.
     double temperature() const { return 0.0; }
+    /// Adds its parameters by the names that the closed forms have for them.
     void set_arguments(TheoryArguments&, StageSetting const&) const {}
 };
 

@@ -23,6 +23,7 @@ struct Counters {
     std::uint64_t boundary_pairs = 0;         ///< pairs across a sheared boundary
     std::uint64_t coincident_pairs = 0;       ///< pairs left out because r = 0
 
+    /// A search and what it found.
     template <int d>
     void count_search(PairList<d> const& found) {
         ++searches;
@@ -93,10 +94,12 @@ struct State {
     /// The step in which `pair_list` was found; nothing if positions have changed since. With the state all
     /// that a checkpoint needs to have the pairs again.
     std::optional<std::uint64_t> pairs_of_step() const { return pairs_of_step_; }
+    /// To be called when `pair_list` has been filled.
     void pairs_found(std::uint64_t in_step) { pairs_of_step_ = in_step; }
 
     /// Whether `force` belongs to the present positions.
     bool forces_valid() const { return forces_valid_; }
+    /// To be called when `force` has been filled.
     void forces_found() { forces_valid_ = true; }
 
     /// To be called by whatever moves particles.

@@ -21,17 +21,17 @@ double uniform_noise(NoiseKey key, std::uint32_t a, std::uint32_t b);
 /// with the key of its noise: seed, step, and place in the list. Row i of a field is the particle with id i.
 template <int d>
 struct Stages {
-    State<d>& state;
-    Field<d>& r = state.particles.position;
-    Field<d>& v = state.particles.velocity;
-    Field<d>& f = state.force;
-    PairList<d>& list = state.pair_list;
-    StageStress& stress = state.stage_stress;
-    Box<d> const& box = state.box;
-    double const m = state.particles.mass, dt = state.time_step, half = 0.5 * dt, volume = box.volume();
-    Eigen::Index const N = r.rows();
-    using Row = Eigen::Array<double, 1, d>;
-
+    State<d>& state;                                               ///< that the stages change
+    Field<d>& r = state.particles.position;                        ///< positions, N x d
+    Field<d>& v = state.particles.velocity;                        ///< velocities, N x d
+    Field<d>& f = state.force;                                     ///< forces at the present positions, N x d
+    PairList<d>& list = state.pair_list;                           ///< all pairs within the cutoff
+    StageStress& stress = state.stage_stress;                      ///< what stages measure while they move
+    Box<d> const& box = state.box;                                 ///< that holds the particles
+    double const m = state.particles.mass, volume = box.volume();  ///< of a particle; of the box
+    double const dt = state.time_step, half = 0.5 * dt;            ///< the step, and half of it
+    Eigen::Index const N = r.rows();                               ///< number of particles
+    using Row = Eigen::Array<double, 1, d>;                        ///< one particle's components
     /// r += v dt. @eq{MY1997,1}
     void act(Drift const&, NoiseKey) { stream(dt, double(state.step + 1) * dt); }
     /// r += v dt/2.

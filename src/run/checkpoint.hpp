@@ -26,8 +26,10 @@ inline double checkpoint_pause(double wanted, double took) { return std::max(wan
 template <int d>
 class RunFile {
 public:
+    /// Of a run of that scene; an empty path: nothing is kept.
     RunFile(Scene const& scene, std::filesystem::path path) : scene_(scene), path_(std::move(path)) {}
 
+    /// Stores all of it; with a status that is not "complete" it is a checkpoint.
     void save(std::string status, Simulation<d>& simulation, Recorder<d>& recorder, double seconds) const;
 
     /// Restores a checkpoint or a result; false if there is no file yet. A run that diverged would do so

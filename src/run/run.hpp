@@ -31,12 +31,13 @@ struct RunResult {
     double kinetic_temperature = 0.0;
 };
 
+/// Where a run is kept, and who may end or watch it.
 struct RunOptions {
     std::optional<std::filesystem::path> output;  ///< HDF5 file; also where checkpoints live
     bool cache =
         false;  ///< the file is one of a cache: whatever cannot be used there is moved aside and made
-    std::atomic<bool> const* stop = nullptr;  ///< ends the run after the present step
-    std::function<void(double fraction)> progress;
+    std::atomic<bool> const* stop = nullptr;        ///< ends the run after the present step
+    std::function<void(double fraction)> progress;  ///< told now and then which fraction is done
 };
 
 /// Runs a scene to its end. With an output file: returns its results if it holds this scene completed,

@@ -14,10 +14,12 @@ namespace dpd {
 
 /// An integrator as keys of a scene.
 struct Integrator {
-    std::string name;                        ///< of the integrator
-    std::string friction, noise, repulsion;  ///< the keys that take a fluid's numbers; empty: it has none
-    double friction_scale = 1.0;             ///< on the fluid's friction
-    double least_step = 0.0;  ///< of the study of work and precision: shorter ones are too dear
+    std::string name;             ///< of the integrator
+    std::string friction;         ///< the key that takes a fluid's friction; empty: it has none
+    std::string noise;            ///< the one that takes the noise
+    std::string repulsion;        ///< the one that takes the strength of the repulsion
+    double friction_scale = 1.0;  ///< on the fluid's friction
+    double least_step = 0.0;      ///< of the study of work and precision: shorter ones are too dear
     /// Of the stability maps: the longest step tried, times the friction.
     double largest_friction_step = std::numeric_limits<double>::infinity();
     bool other_dynamics = false;              ///< its transport coefficients are its own

@@ -41,28 +41,31 @@ constexpr std::string_view name_of(Engine engine) {
     return "";
 }
 
+/// A scene file, checked: what is simulated and what is measured. Units are its own, of mass, length and
+/// time.
 struct Scene {
-    std::string title;
-    int dimension = 3;
-    std::uint64_t seed = 1;
-    std::vector<AnyStage> stages;  ///< with their parameters, in the order of a step
-    std::vector<double> length;
-    double shear_rate = 0.0;
+    std::string title;                    ///< for the reader
+    int dimension = 3;                    ///< 2 or 3
+    std::uint64_t seed = 1;               ///< of all noise
+    std::vector<AnyStage> stages;         ///< with their parameters, in the order of a step
+    std::vector<double> length;           ///< sides of the box
+    double shear_rate = 0.0;              ///< du_x/dy, 1/time
     double wall = 0.0;                    ///< thickness of either wall; 0: none
     std::optional<double> wall_strength;  ///< of the potential between fluid and wall; none: the fluid's
     std::uint64_t particles = 0;          ///< of the fluid
-    std::uint64_t wall_particles = 0;
-    double mass = 1.0;
-    double kT = 1.0;  ///< of the initial velocities
-    std::optional<CoarseGrainingParameters> coarse_graining;
-    Start start = Start::random;
-    double time_step = 0.0;
-    std::uint64_t equilibration_steps = 0;
-    std::uint64_t production_steps = 0;
-    double checkpoint_seconds = 30.0;  ///< wall clock between checkpoints
-    Search search = Search::cell;
-    Order order = Order::cell;
-    SampleParameters sample;
+    std::uint64_t wall_particles = 0;     ///< frozen ones
+    double mass = 1.0;                    ///< of a particle
+    double kT = 1.0;                      ///< of the initial velocities
+    std::optional<CoarseGrainingParameters>
+        coarse_graining;                    ///< the map from atoms; none: the file has no table
+    Start start = Start::random;            ///< where particles begin
+    double time_step = 0.0;                 ///< time
+    std::uint64_t equilibration_steps = 0;  ///< before the first sample
+    std::uint64_t production_steps = 0;     ///< in which samples are taken
+    double checkpoint_seconds = 30.0;       ///< wall clock between checkpoints
+    Search search = Search::cell;           ///< how pairs are found
+    Order order = Order::cell;              ///< in which sequential updates visit them
+    SampleParameters sample;                ///< what is measured, and when
     std::uint64_t trajectory_interval = 0;  ///< steps between frames; 0: none
     Engine engine = Engine::fast;           ///< `use` chooses it, not the file
 
@@ -74,7 +77,9 @@ struct Scene {
     double fluid_volume() const;  ///< without walls
     double channel_width()
         const;  ///< of a Poiseuille flow: between the walls, or half a box of opposed flows
+    /// Of the fluid, particles per volume.
     double density() const { return double(particles) / fluid_volume(); }
+    /// Of the whole run.
     std::uint64_t steps() const { return equilibration_steps + production_steps; }
 
     /// The scene's stage of that kind, or none.
@@ -84,8 +89,11 @@ struct Scene {
             if (auto const* const found = std::get_if<S>(&candidate)) return found;
         return nullptr;
     }
+    /// Whether its step has a stage of that name.
     bool has_stage(std::string_view name) const;
+    /// In the order of a step.
     std::vector<std::string> stage_names() const;
+    /// What the parameters of stages may depend on.
     StageSetting stage_setting() const;
     AnyPotential const* potential() const;  ///< the conservative force that a stage knows, or none
     Soft const* soft() const;               ///< the same if it is a soft repulsion

@@ -80,8 +80,10 @@ Trials bisect(StepRange const& range, std::function<Trial(double step)> const& t
 
 /// How long a trial takes: `time`, but at least `fewest` and at most `most` steps.
 struct TrialLength {
-    double time = 10.0;                         ///< that a trial simulates
-    std::uint64_t fewest = 1000, most = 10000;  ///< steps of a trial
+    double time = 10.0;           ///< that a trial simulates
+    std::uint64_t fewest = 1000;  ///< steps, where the step is long
+    std::uint64_t most = 10000;   ///< steps, where it is short
+    /// How many for a time step.
     std::uint64_t steps(double step) const;
 };
 
@@ -100,9 +102,11 @@ FrozenLimits frozen_limits(Particles<d> const& particles, Box<d> const& box, dou
 
 /// One point of a map: an integrator at one friction, repulsion and density.
 struct StabilityPoint {
-    std::string integrator;                                 ///< by name
-    double friction = 0.0, repulsion = 0.0, density = 0.0;  ///< of the fluid
-    std::string scene;                                      ///< TOML; its time.step is replaced
+    std::string integrator;          ///< by name
+    double friction = 0.0;           ///< of the fluid
+    double repulsion = 0.0;          ///< of the fluid
+    double density = 0.0;            ///< of the fluid
+    std::string scene;               ///< TOML; its time.step is replaced
     std::string start;               ///< TOML of the scene whose end is the start of every trial
     StepRange range;                 ///< of the steps that are tried
     TrialLength length;              ///< of each trial
@@ -117,11 +121,13 @@ struct StabilityPoint {
     std::string key() const;
 };
 
+/// Points over one or two axes, and how they are drawn.
 struct StabilityMap {
-    std::string name, curves;  ///< `curves`: the axis of which each value is a curve of its own
-    std::vector<std::string> plots;
-    bool traces = false;
-    std::vector<StabilityPoint> points;
+    std::string name;                    ///< of its files
+    std::string curves;                  ///< the axis of which each value is a curve of its own
+    std::vector<std::string> plots;      ///< names of the scripts that draw it
+    bool traces = false;                 ///< whether kT is kept step by step beyond the edge
+    std::vector<StabilityPoint> points;  ///< all of them
 };
 
 /// Reads the maps of a budget ("quick" or "paper"). InputError as for scenes.

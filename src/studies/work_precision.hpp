@@ -31,7 +31,8 @@ struct StudyRun {
 
 /// What is measured, and where.
 struct Observable {
-    std::string quantity, label;  ///< its name, and as pictures have it
+    std::string quantity;         ///< its name
+    std::string label;            ///< as pictures have it
     bool sheared = false;         ///< whether it is measured in shear
     std::optional<double> exact;  ///< known at step zero
 };
@@ -41,7 +42,8 @@ std::vector<Observable> const& study_observables();
 
 /// A fluid and its integrators.
 struct Study {
-    std::string name, title;                  ///< of the study
+    std::string name;                         ///< of its files
+    std::string title;                        ///< of its pictures
     double table_step = 0.0;                  ///< of the table of deviations
     std::vector<std::string> integrators;     ///< in the order of the file
     std::vector<std::string> other_dynamics;  ///< of these, those with transport coefficients of their own
@@ -59,20 +61,22 @@ Limit limit_of_step_zero(std::vector<double> const& steps, std::vector<Estimate>
 
 /// Deviation of one measurement from the limit of step zero, relative to that.
 struct Deviation {
-    double step = 0.0, duration = 0.0;  ///< time
-    double value = 0.0;                 ///< measured
-    double error = 0.0;                 ///< standard error, the reference's included
-    double statistical = 0.0;           ///< standard error of the run alone
-    double seconds = 0.0;               ///< processor time of the run
+    double step = 0.0;         ///< time step
+    double duration = 0.0;     ///< time that was simulated
+    double value = 0.0;        ///< measured
+    double error = 0.0;        ///< standard error, the reference's included
+    double statistical = 0.0;  ///< standard error of the run alone
+    double seconds = 0.0;      ///< processor time of the run
 };
 
 /// How the deviation depends on the step: c_1 step + c_2 step^2 + ..., as many terms as the data bear; and
 /// the order seen, the slope of the logarithms where the deviation is clear of its error.
 struct ErrorLaw {
-    std::vector<double> coefficients;       ///< of the powers of the step
-    Eigen::MatrixXd covariance;             ///< of the coefficients
-    double order = 0.0, order_error = 0.0;  ///< slope of the logarithms, and its error
-    std::size_t order_points = 0;           ///< with fewer than two there is no order
+    std::vector<double> coefficients;  ///< of the powers of the step
+    Eigen::MatrixXd covariance;        ///< of the coefficients
+    double order = 0.0;                ///< slope of the logarithms
+    double order_error = 0.0;          ///< its standard error
+    std::size_t order_points = 0;      ///< with fewer than two there is no order
 
     /// Root mean square of what the law says the deviation is at a step, given its own uncertainty.
     double bias(double step) const;

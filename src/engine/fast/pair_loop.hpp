@@ -17,7 +17,9 @@ namespace dpd {
 /// Pairs are worked through in blocks, few enough that what one loop leaves for the next stays in the
 /// processor's nearest cache.
 struct PairBlock {
-    std::size_t begin, end;
+    std::size_t begin;  ///< its first pair
+    std::size_t end;    ///< one past its last
+    /// How many pairs it has.
     std::size_t size() const { return end - begin; }
 };
 
@@ -30,10 +32,12 @@ void for_each_block(PairList<d> const& pairs, Work&& work) {
 /// The columns of a pair list by their addresses, which a loop then keeps in registers.
 template <int d>
 struct PairView {
-    std::uint32_t const *i, *j;
-    std::array<double const*, d> unit;
-    double const* distance;
-    double* impulse;
+    std::uint32_t const* i;             ///< row of one particle of each pair
+    std::uint32_t const* j;             ///< row of the other
+    std::array<double const*, d> unit;  ///< (r_i - r_j)/r, axis by axis
+    double const* distance;             ///< r
+    double* impulse;                    ///< change of i's velocity along `unit`
+    /// Of a list that does not grow meanwhile.
     explicit PairView(PairList<d>& pairs)
         : i(pairs.i.data()),
           j(pairs.j.data()),
@@ -46,8 +50,10 @@ struct PairView {
 /// Where the rows of a pair begin in a field, and its direction.
 template <int d>
 struct PairRows {
-    std::size_t i, j;
-    std::array<double, d> e;
+    std::size_t i;            ///< place of the first component of one particle
+    std::size_t j;            ///< of the other
+    std::array<double, d> e;  ///< unit vector from j to i
+    /// Of the k-th pair.
     PairRows(PairView<d> const& pairs, std::size_t k)
         : i(d * std::size_t{pairs.i[k]}), j(d * std::size_t{pairs.j[k]}) {
         for (std::size_t axis = 0; axis < d; ++axis) e[axis] = pairs.unit[axis][k];
