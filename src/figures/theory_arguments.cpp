@@ -37,8 +37,8 @@ double theory_value(std::string const& id, TheoryArguments const& arguments) {
     theory::ClosedForm const& form = *theory::find(id);
     std::vector<std::pair<std::string, std::string>> given;
     for (auto const& [name, text] : arguments) {
-        auto const takes = [&name = name](auto const& names) {
-            return std::find(names.begin(), names.end(), name) != names.end();
+        auto const takes = [&wanted = name](auto const& names) {
+            return std::find(names.begin(), names.end(), wanted) != names.end();
         };
         if (takes(form.parameters) || takes(form.without_effect)) given.emplace_back(name, text);
     }
