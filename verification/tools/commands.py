@@ -365,12 +365,22 @@ def forgotten_parts(root, pieces):
             yield "the action of the plain engine", pieces[:k] + pieces[k + 1:], "src/run/plain_stages.cpp"
 
 
+def has_sanitizers(root):
+    """Whether the compiler has the libraries of the checks, which clang's package does not bring everywhere"""
+    program = root / "empty.cpp"
+    program.write_text("int main() {}\n", encoding="utf-8")
+    command = [os.environ.get("CXX", "c++"), "-fsanitize=address,undefined", program, "-o", root / "empty"]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
 def tutorial(root, build):
     page = (root / TUTORIAL).read_text(encoding="utf-8")
     pieces = pieces_of(page)
     originals = {file: (root / file).read_text(encoding="utf-8") for file, *_ in pieces}
+    # with the checks of the preset sanitize: the commands below and some damaged inputs run through them
+    sanitizers = "ON" if has_sanitizers(root) else "OFF"
     configure = ("cmake -G Ninja -S . -B taught -DDPDREF_TESTS=OFF -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O0 "
-                 "-DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_EXPORT_COMPILE_COMMANDS=ON")
+                 f"-DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DDPDREF_SANITIZE={sanitizers}")
     failures = 0
 
     def check(command):
@@ -403,6 +413,8 @@ import json, math
 kT = [json.load(open(f))["quantities"]["kinetic_temperature"]["value"] for f in ("damped", "free", "plainly")]
 assert kT[0] == kT[2] and abs(kT[0] / kT[1] - math.exp(-0.1)) < 1e-12, kT
 print("kT", *kT)'""")
+    if sanitizers == "ON":
+        check("python3 -B verification/trials/fuzz.py taught/dpdref --seconds 20")
     return failures
 
 
