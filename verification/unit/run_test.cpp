@@ -95,15 +95,20 @@ std::string name_of(Variant const& v) {
            " " + v.extra;
 }
 
-/// Bitwise equality: NaN equals itself.
+/// Bitwise equality: NaN equals itself. (Of nothing there may be no address.)
+template <class T>
+bool same_bits(T const* a, T const* b, std::size_t count) {
+    return count == 0 || std::memcmp(a, b, count * sizeof(T)) == 0;
+}
+
 bool same(std::vector<double> const& a, std::vector<double> const& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+    return a.size() == b.size() && same_bits(a.data(), b.data(), a.size());
 }
 
 template <class Array>
 bool same_array(Array const& a, Array const& b) {
     return a.rows() == b.rows() && a.cols() == b.cols() &&
-           std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(*a.data())) == 0;
+           same_bits(a.data(), b.data(), static_cast<std::size_t>(a.size()));
 }
 
 bool same(Record const& a, Record const& b) {
