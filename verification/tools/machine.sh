@@ -30,7 +30,7 @@ impossible() {
 
 # --- what it takes
 [ "$(id -u)" -eq 0 ] || impossible "it needs root's rights"
-git rev-parse --verify -q HEAD >/dev/null || impossible "this is no clone"
+commit=$(git rev-parse --verify -q --short HEAD) || impossible "this is no clone"
 unshare --mount --pid --fork --kill-child true 2>/dev/null || impossible "no name spaces of their own for mounts"
 export DEBIAN_FRONTEND=noninteractive
 tools="mmdebstrap debian-archive-keyring"
@@ -69,6 +69,12 @@ make_root() {
         "$@" "$suite" "$root" "$mirror" </dev/null || impossible "mmdebstrap failed"
 }
 
+# The commit that was the last when this began.
+clone_into() {
+    git clone -q "$repository" "$1" || impossible "no clone"
+    git -C "$1" checkout -q "$commit" || impossible "no clone"
+}
+
 # A command in the clone in the root; its mounts end with it.
 inside() {
     # shellcheck disable=SC2016 # of the inner shell
@@ -87,7 +93,7 @@ test_on_arm() {
     # its absolute links, as that of libm.so, mean files of the root
     # shellcheck disable=SC2016 # of the inner shell
     find "$root/usr/lib" -lname '/*' -exec sh -c 'for link; do ln -snf "$0$(readlink "$link")" "$link"; done' "$root" {} +
-    git clone -q "$repository" "$scratch/dpdref" || impossible "no clone"
+    clone_into "$scratch/dpdref"
     echo "machine.sh: cross build for arm64"
     (
         unset CXX
@@ -99,7 +105,7 @@ test_on_arm() {
 
 fresh_in_root() {
     make_root --variant=minbase --include=git
-    git clone -q "$repository" "$root/srv/dpdref" || impossible "no clone"
+    clone_into "$root/srv/dpdref"
     cp /etc/resolv.conf /etc/hosts "$root/etc/" || :
     {
         echo 'Acquire::Retries "5";'
@@ -125,5 +131,5 @@ fi
 tests=$(sed -n 's/^.*% tests passed, \([0-9]*\) tests failed out of \([0-9]*\)$/\1 of \2 failed/p' "$scratch/log")
 compiler=$(sed -n 's/^-- The CXX compiler identification is //p' "$scratch/log")
 elapsed=$(($(date +%s) - begin))
-printf '\n| %s | %s | %s | %s | %d min |\n' "$system" "$compiler" "$(git rev-parse --short HEAD)" "${tests:-$job}" $((elapsed / 60))
+printf '\n| %s | %s | %s | %s | %d min |\n' "$system" "$compiler" "$commit" "${tests:-$job}" $((elapsed / 60))
 exit "$status"
