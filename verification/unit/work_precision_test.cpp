@@ -247,7 +247,7 @@ BOOST_AUTO_TEST_CASE(a_budget_leaves_out_small_steps) {
     text.insert(text.find(budget) + budget.size(), "smallest_step = 0.04\n");
     directory.write("study.toml", text);
     directory.write("integrators.toml", integrators_text);
-    for (auto const& [name, steps] : {std::pair{"quick", 2u}, std::pair{"paper", 3u}}) {
+    for (auto const& [name, count] : {std::pair{"quick", 2u}, std::pair{"paper", 3u}}) {
         auto const studies = load_studies(directory.study(), name);
         BOOST_TEST(studies.at(0).runs.size() == 2u * (count + 2u + count));
         // those of the reference stay: step zero is extrapolated from them
