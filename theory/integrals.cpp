@@ -51,8 +51,8 @@ double volume_integral(int d, double rc, std::function<double(double)> const& f)
     static boost::math::quadrature::tanh_sinh<double> quadrature;  // its lazily grown table is locked
     constexpr double tolerance = 1e-12;
     double const radial = quadrature.integrate(
-        [&](double x) { return summable(std::pow(x, d - 1) * f(rc * x)); }, 0.0, 1.0, tolerance);
-    return unit_sphere_surface(d) * std::pow(rc, d) * radial;
+        [&](double x) { return summable(power(x, d - 1) * f(rc * x)); }, 0.0, 1.0, tolerance);
+    return unit_sphere_surface(d) * power(rc, d) * radial;
 }
 // [volume integral]
 

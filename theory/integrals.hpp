@@ -10,6 +10,7 @@
 #include <string>
 
 #include "closed_forms.hpp"
+#include "elementary.hpp"
 
 namespace dpd::theory {
 
@@ -45,7 +46,7 @@ double integral_over_pairs(Gas const& gas, PairDistribution const& g, F const& f
         if (!(at_r >= 0.0) || !std::isfinite(at_r))
             throw std::invalid_argument("g(r) must be finite and not negative, also at r = " +
                                         std::to_string(r));
-        sum += share * std::pow(x, gas.d - 1) * f(r) * at_r;
+        sum += share * power(x, gas.d - 1) * f(r) * at_r;
     };
     for (int part = 0; part < parts; ++part) {
         double const centre = part + 0.5;
@@ -54,7 +55,7 @@ double integral_over_pairs(Gas const& gas, PairDistribution const& g, F const& f
             for (double sign : {-1.0, 1.0})
                 add((centre + 0.5 * sign * Gauss::abscissa()[k]) / parts, Gauss::weights()[k]);
     }
-    return unit_sphere_surface(gas.d) * std::pow(gas.rc, gas.d) * sum / (2.0 * parts);
+    return unit_sphere_surface(gas.d) * power(gas.rc, gas.d) * sum / (2.0 * parts);
 }
 
 }  // namespace dpd::theory

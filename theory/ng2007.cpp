@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "elementary.hpp"
 #include "integrals.hpp"
 #include "rows.hpp"
 
@@ -40,7 +41,7 @@ double velocity_loss(int d, double A) { return A / d; }
 /// A of Lowe-Andersen: the relative velocity is replaced, 1 - 2A = 0.
 constexpr double lowe_A = 0.5;
 
-double sphere_volume(Gas const& gas) { return unit_sphere_surface(gas.d) / gas.d * std::pow(gas.rc, gas.d); }
+double sphere_volume(Gas const& gas) { return unit_sphere_surface(gas.d) / gas.d * power(gas.rc, gas.d); }
 
 /// -ln s of one step.
 // [stress decay]
@@ -123,7 +124,7 @@ double collision_viscosity(Gas const& gas, Shardlow const& thermostat, double dt
 // [collision viscosity]
 double collision_viscosity(Gas const& gas, Lowe const& thermostat) {
     require_positive({{"n", gas.n}, {"m", gas.m}, {"rc", gas.rc}, {"Gamma", thermostat.Gamma}});
-    double const integral_of_r2 = unit_sphere_surface(gas.d) * std::pow(gas.rc, gas.d + 2) / (gas.d + 2);
+    double const integral_of_r2 = unit_sphere_surface(gas.d) * power(gas.rc, gas.d + 2) / (gas.d + 2);
     return square(gas.n) * gas.m * thermostat.Gamma * lowe_A / (2.0 * gas.d * (gas.d + 2)) * integral_of_r2;
 }
 

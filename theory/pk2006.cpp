@@ -4,6 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "elementary.hpp"
 #include "integrals.hpp"
 #include "rows.hpp"
 
@@ -38,7 +39,7 @@ double particle_mass(CoarseGraining const& map, double m) {
 
 double cutoff_radius(CoarseGraining const& map) {
     require_positive({{"Nm", map.Nm}, {"n", map.n}, {"n_md", map.n_md}});
-    return std::cbrt(map.Nm * map.n / map.n_md);
+    return cube_root(map.Nm * map.n / map.n_md);
 }
 // [units]
 
@@ -112,7 +113,7 @@ double matched_friction(double sigma, double kT) {
 // [matched friction]
 
 double repulsion_constant(Gas const& gas, PairDistribution const& g) {
-    return integral_of_force_times_distance(gas, 1.0, g) / (2.0 * gas.d * std::pow(gas.rc, gas.d + 1));
+    return integral_of_force_times_distance(gas, 1.0, g) / (2.0 * gas.d * power(gas.rc, gas.d + 1));
 }
 
 // [pressure]
@@ -170,7 +171,7 @@ double poiseuille_maximum_velocity(double n, double force, double eta, double L)
 double power_law_velocity(double u_max, double index, double L, double z) {
     require_positive({{"u_max", u_max}, {"index", index}});
     require_inside(L, z);
-    return u_max * (1.0 - std::pow(std::abs(1.0 - 2.0 * z / L), 1.0 / index + 1.0));
+    return u_max * (1.0 - power(std::abs(1.0 - 2.0 * z / L), 1.0 / index + 1.0));
 }
 // [power law]
 

@@ -11,6 +11,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "elementary.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "noise.cpp"
 #include <hwy/foreach_target.h>
@@ -51,9 +53,7 @@ HWY_INLINE std::array<Lanes<D>, n> polynomial(D d, std::array<double, terms> con
     return sum;
 }
 
-// ln u for 2^-52 <= u <= 1, to 3 units in the last place: u = 2^e m with m in [sqrt(1/2), sqrt(2)), and
-// ln m = 2 artanh s = 2s (1 + s^2/3 + s^4/5 + ...) with s = (m-1)/(m+1), |s| < 0.172; the series is cut
-// where its terms fall below 2^-55.
+// As the scalar logarithm, for 2^-52 <= u <= 1.
 template <class D, std::size_t n>
 HWY_INLINE std::array<Lanes<D>, n> logarithm(D d, std::array<Lanes<D>, n> const& u) {
     hn::RebindToUnsigned<D> const bits;
@@ -78,24 +78,12 @@ HWY_INLINE std::array<Lanes<D>, n> logarithm(D d, std::array<Lanes<D>, n> const&
     return log;
 }
 
-// sin(2 pi u) for |u| <= 1/4 by Taylor's series; the first term left out is below 1.3e-18, rounding below
-// 5e-16.
+// As the scalar sine_of_turn.
 template <class D, std::size_t n>
 HWY_INLINE std::array<Lanes<D>, n> sine_of_turn(D d, std::array<Lanes<D>, n> const& u) {
-    static constexpr auto taylor = [] {
-        std::array<double, 11> c{};
-        long double term = 2.0L * std::numbers::pi_v<long double>;
-        for (std::size_t k = 0; k < c.size(); ++k) {
-            c[k] = static_cast<double>(term);
-            auto const order = static_cast<long double>(2 * k + 2);
-            term *= -4.0L * std::numbers::pi_v<long double> * std::numbers::pi_v<long double> /
-                    (order * (order + 1));
-        }
-        return c;
-    }();
     std::array<Lanes<D>, n> squared;
     for (std::size_t v = 0; v < n; ++v) squared[v] = hn::Mul(u[v], u[v]);
-    auto sine = polynomial(d, taylor, squared);
+    auto sine = polynomial(d, sine_of_turn_series, squared);
     for (std::size_t v = 0; v < n; ++v) sine[v] = hn::Mul(u[v], sine[v]);
     return sine;
 }

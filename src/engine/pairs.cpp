@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "elementary.hpp"
 #include "pair_loop.hpp"
 
 namespace dpd {
@@ -91,13 +92,13 @@ double PairSearch<d>::margin(Box<d> const& box) const {
 template <int d>
 void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const& box, double time) {
     // Cells of a cutoff, or wider in a dilute system: about one particle each is enough.
-    double const spacing = std::pow(box.volume() / std::max<double>(1.0, double(particles.size())), 1.0 / d);
+    double const spacing = root(box.volume() / std::max<double>(1.0, double(particles.size())), d);
     double const width = std::max(cutoff, spacing);
     for (int axis = 0; axis < d; ++axis)
         cells_[axis] = static_cast<int>(box.length[axis] / std::min(width, box.length[axis] / 2.0) *
                                         (axis == contiguous ? reach : 1));
     // so that a row of candidates fills most of a vector, and none is seen in two images
-    double const per_cell = std::pow(width / spacing, d) / reach;
+    double const per_cell = power(width / spacing, d) / reach;
     together_ = std::clamp(static_cast<int>(std::lround(0.75 * simd::widest / per_cell)) - 2 * reach, 1,
                            cells_[contiguous] - reach);
 
@@ -113,18 +114,19 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     };
     places_.resize(rows);
     images_.clear();
-    double const offset = box.offset(time);
+    auto const image_x = [&, offset = box.offset(time)](std::size_t p) {
+        double const x = particles.position(Eigen::Index(p), 0) + offset;
+        return x - box.length[0] * std::floor(x / box.length[0]);
+    };
     for (std::size_t p = 0; p < rows; ++p) {
         std::array<int, d> c;
         for (int axis = 0; axis < d; ++axis)
             c[axis] = cell_at(particles.position(Eigen::Index(p), axis), axis);
         places_[p] = take_place(c);
         if (!box.sheared() || c[1] != 0) continue;
-        double x = particles.position(Eigen::Index(p), 0) + offset;
-        x -= box.length[0] * std::floor(x / box.length[0]);
-        c[0] = cell_at(x, 0);
+        c[0] = cell_at(image_x(p), 0);
         c[1] = cells_[1];
-        images_.push_back({static_cast<std::uint32_t>(p), take_place(c), static_cast<float>(x)});
+        images_.push_back({static_cast<std::uint32_t>(p), take_place(c)});
     }
     int const along = cells_[contiguous], stride = row_length();
     int const end = static_cast<int>(cell_begin_.size()) - 1;
@@ -135,18 +137,33 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     }
     std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
 
-    auto const entries = static_cast<std::size_t>(cell_begin_.back()) + simd::widest;
-    owner_.resize(entries);
-    for (auto& component : sorted_) component.resize(entries);
+    // Within a cell by ids: the order of a list is that of positions and ids, and knows nothing of
+    // velocities.
+    owner_.resize(static_cast<std::size_t>(cell_begin_.back()) + simd::widest);
+    for (auto& component : sorted_) component.resize(owner_.size());
     auto const put = [&](std::size_t p, Place place) {
-        auto const slot = static_cast<std::size_t>(cell_begin_[place.cell]) + place.rank;
-        for (int axis = 0; axis < d; ++axis)
-            sorted_[axis][slot] = static_cast<float>(particles.position(Eigen::Index(p), axis));
-        owner_[slot] = static_cast<std::uint32_t>(p);
-        return slot;
+        owner_[static_cast<std::size_t>(cell_begin_[place.cell]) + place.rank] =
+            static_cast<std::uint32_t>(p);
     };
     for (std::size_t p = 0; p < rows; ++p) put(p, places_[p]);
-    for (Image const& image : images_) sorted_[0][put(image.row, image.place)] = image.x;
+    for (Image const& image : images_) put(image.row, image.place);
+    for_each_row_of_cells([&](int first, int last) {
+        for (int cell = first; cell < last; ++cell) {
+            auto const begin = owner_.begin() + cell_begin_[std::size_t(cell)],
+                       stop = owner_.begin() + cell_begin_[std::size_t(cell) + 1];
+            if (stop - begin > 1)
+                std::sort(begin, stop, [id = particles.id.data()](std::uint32_t a, std::uint32_t b) {
+                    return id[a] < id[b];
+                });
+        }
+        bool const image = first >= row_begin(cells_[1], 0);
+        auto const stop = static_cast<std::size_t>(cell_begin_[std::size_t(last)]);
+        for (auto slot = static_cast<std::size_t>(cell_begin_[std::size_t(first)]); slot < stop; ++slot) {
+            for (int axis = 0; axis < d; ++axis)
+                sorted_[axis][slot] = static_cast<float>(particles.position(owner_[slot], axis));
+            if (image) sorted_[0][slot] = static_cast<float>(image_x(owner_[slot]));
+        }
+    });
 
     auto const copy_cells = [&](int from, int to, double shift) {
         int const begin = cell_begin_[std::size_t(from)], stop = cell_begin_[std::size_t(from + reach)];
@@ -172,7 +189,7 @@ void PairSearch<d>::search_layer(Particles<d> const& particles, Box<d> const& bo
     bool const own = partners.own_layer, above = partners.layer_above || partners.sheared_image;
     simd::Geometry<d> const nearest_image = geometry(box, time, partners.sheared_image);
     auto const begin_of = [&](int cell) { return static_cast<std::size_t>(cell_begin_[std::size_t(cell)]); };
-    auto const limit = static_cast<float>(std::pow(cutoff + margin(box), 2) * (1.0 + 1e-6));
+    auto const limit = static_cast<float>(power(cutoff + margin(box), 2) * (1.0 + 1e-6));
     simd::Sorted<d> sorted{{}, owner_.data()};
     for (std::size_t axis = 0; axis < d; ++axis) sorted.position[axis] = sorted_[axis].data();
 
@@ -361,11 +378,12 @@ template <int d>
 void PairSearch<d>::sort_particles(Particles<d>& particles, Box<d> const& box, double time) {
     if (search == Search::brute) return;
     sort_into_cells(particles, box, time);
-    // from a particle's place among all, images included, to that among the particles
-    std::vector<Eigen::Index> rows(owner_.size(), -1);
-    for (std::size_t p = 0; p < places_.size(); ++p)
-        rows[static_cast<std::size_t>(cell_begin_[places_[p].cell]) + places_[p].rank] = Eigen::Index(p);
-    std::erase(rows, -1);
+    std::vector<Eigen::Index> rows;
+    for_each_row_of_cells([&](int first, int last) {
+        if (first < row_begin(cells_[1], 0))
+            rows.insert(rows.end(), owner_.begin() + cell_begin_[std::size_t(first)],
+                        owner_.begin() + cell_begin_[std::size_t(last)]);
+    });
     Particles<d> const old = particles;
     particles.position = old.position(rows, Eigen::all);
     particles.velocity = old.velocity(rows, Eigen::all);

@@ -31,9 +31,10 @@ constexpr std::string_view name_of(Search value) {
     return "";
 }
 
-/// In which order sequential updates (Shardlow, Lowe) visit the pairs. NG2007 leaves it open.
+/// In which order sequential updates (Shardlow, Lowe) visit the pairs. NG2007 leaves it open. Each follows
+/// from positions and ids alone: an order that knows velocities would not keep the exact state.
 enum class Order {
-    cell,    ///< as found: neighbours in space follow each other in the sequence
+    cell,    ///< by cells and by ids within one: neighbours in space follow each other in the sequence
     id,      ///< by particle ids: independent of the search
     random,  ///< a new random one at each search
 };
@@ -93,6 +94,13 @@ private:
     // Cells of one row, with its images; and the first cell of the row at (y, x), in two dimensions at y.
     int row_length() const { return cells_[contiguous] + 2 * reach; }
     int row_begin(int y, int x) const { return (d == 3 ? y * cells_[0] + x : y) * row_length(); }
+    // Calls visit(first cell, one past the last), without the row's images.
+    template <class Visit>
+    void for_each_row_of_cells(Visit visit) const {
+        int const end = static_cast<int>(cell_begin_.size()) - 1;
+        for (int row = 0; row < end; row += row_length())
+            visit(row + reach, row + reach + cells_[contiguous]);
+    }
 
     // Cells are at least a cutoff wide in y and x; along the last axis, where neighbouring cells are
     // contiguous in memory, thinner by `reach`. They are numbered along y (slowest), x, z. A row of cells is
@@ -109,7 +117,6 @@ private:
     struct Image {
         std::uint32_t row;
         Place place;
-        float x;
     };
     std::vector<Place> places_;                        // of each particle
     std::vector<Image> images_;                        // of the lowest layer, in shear

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "elementary.hpp"
+#include "sums.hpp"
+
 namespace dpd {
 namespace {
 
@@ -73,7 +76,7 @@ Lattice<d> sort_into_cells(Rescale const& stage, Simulation<d> const& simulation
         Cell<d>& home = cells[homes[p]];
         Vec<d> u = particles.velocity.row(Eigen::Index(p)).matrix().transpose() - home.velocity;
         u[0] += speed[p];
-        home.square += u.squaredNorm();
+        home.square += sum_of_squares(u);
     }
     return lattice;
 }
@@ -96,10 +99,10 @@ void apply(Rescale const& stage, Simulation<d>& simulation, NoiseKey key) {
             };
             double const psi = 1.0 + stage.amplitude * lot(1);
             double const factor = lot(2) < 0.5 ? psi : 1.0 / psi;
-            double const log_weight = d * (now.count - 1.0) * std::log(factor) -
+            double const log_weight = d * (now.count - 1.0) * logarithm(factor) -
                                       0.5 * mass / stage.kT * now.square * (factor * factor - 1.0);
             simulation.counters.random_draws += 3;
-            if (std::log1p(-lot(3)) < log_weight) now.factor = factor;
+            if (logarithm(1.0 - lot(3)) < log_weight) now.factor = factor;
         }
     } else {
         std::size_t const layer = cells.size() / lattice.sides[1];

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "elementary.hpp"
+#include "sums.hpp"
+
 namespace dpd {
 namespace {
 
@@ -57,8 +60,8 @@ void Simulation<d>::advance() {
 template <int d>
 void Simulation<d>::check_divergence() const {
     if (hottest <= 0.0) return;
-    double const kT = particles.mass * particles.velocity.square().sum() / (d * double(particles.size()));
-    double const flow = particles.mass * std::pow(box.image_speed(), 2);
+    double const kT = particles.mass * sum_of_squares(particles.velocity) / (d * double(particles.size()));
+    double const flow = particles.mass * power(box.image_speed(), 2);
     if (!(kT <= hottest + flow))
         throw Diverged(fmt::format("kinetic temperature {:.3g} exceeds {:.3g}", kT, hottest + flow));
 }
@@ -76,21 +79,22 @@ double kinetic_temperature(Particles<d> const& particles, Box<d> const& box) {
     auto const n = double(particles.size());
     if (n < 2) return 0.0;
     if (particles.has_walls())  // momentum goes into the walls, so that all d N components are free
-        return particles.mass * particles.velocity.square().sum() / (d * double(particles.fluid));
-    double sum = particles.velocity.square().sum();
+        return particles.mass * sum_of_squares(particles.velocity) / (d * double(particles.fluid));
+    double sum = sum_of_squares(particles.velocity);
     if (box.sheared()) {
         auto const flow = box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
-        sum = (particles.velocity.col(0) - flow).square().sum();
-        for (int axis = 1; axis < d; ++axis) sum += particles.velocity.col(axis).square().sum();
+        sum = sum_of_squares(particles.velocity.col(0) - flow);
+        for (int axis = 1; axis < d; ++axis) sum += sum_of_squares(particles.velocity.col(axis));
     }
     return particles.mass * sum / (d * (n - 1));
 }
 
 template <int d>
 Vec<d> total_momentum(Particles<d> const& particles, Box<d> const& box) {
-    Vec<d> momentum = particles.velocity.colwise().sum().transpose();
+    Vec<d> momentum;
+    for (int axis = 0; axis < d; ++axis) momentum[axis] = sum_of(particles.velocity.col(axis));
     if (box.sheared())
-        momentum[0] -= box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]).sum();
+        momentum[0] -= box.shear_rate * sum_of(particles.position.col(1) - 0.5 * box.length[1]);
     return particles.mass * momentum;
 }
 
@@ -103,7 +107,7 @@ void put_on_lattice(Particles<d>& particles, Box<d> const& box, Eigen::Index fir
                     double bottom, double top) {
     Vec<d> length = box.length;
     length[1] = top - bottom;
-    double const spacing = std::pow(length.prod() / double(count), 1.0 / d);
+    double const spacing = root(Box<d>{.length = length}.volume() / double(count), d);
     std::array<Eigen::Index, d> sides;
     Eigen::Index sites = 1;
     for (int axis = 0; axis < d; ++axis) {
@@ -121,6 +125,13 @@ void put_on_lattice(Particles<d>& particles, Box<d> const& box, Eigen::Index fir
     }
 }
 
+// Takes off the mean velocity.
+template <class Velocities>
+void stop(Velocities&& velocity) {
+    for (Eigen::Index axis = 0; axis < velocity.cols(); ++axis)
+        velocity.col(axis) -= mean_of(velocity.col(axis));
+}
+
 }  // namespace
 
 template <int d>
@@ -135,7 +146,6 @@ void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint6
                 filled * box.length[axis] * uniform({seed, 0, stream_positions}, id, component);
             particles.velocity(p, axis) = thermal_speed * normal({seed, 0, stream_velocities}, id, component);
         }
-    Eigen::Array<double, Eigen::Dynamic, d> const drawn = particles.velocity;  // summed axis by axis
     if (start == Start::lattice) put_on_lattice(particles, box, 0, particles.size(), 0.0, box.length[1]);
     if (particles.has_walls()) {
         auto const fluid = static_cast<Eigen::Index>(particles.fluid), walls = particles.size() - fluid;
@@ -147,12 +157,12 @@ void randomize(Particles<d>& particles, Box<d> const& box, double kT, std::uint6
             particles.position.col(1).head(fluid) =
                 box.wall + height / box.length[1] * particles.position.col(1).head(fluid);
         particles.velocity.bottomRows(walls).setZero();
-        particles.velocity.topRows(fluid).rowwise() -= drawn.topRows(fluid).colwise().mean().eval();
+        stop(particles.velocity.topRows(fluid));
         box.wrap(particles, 0.0);
         particles.image.setZero();
         return;
     }
-    particles.velocity.rowwise() -= drawn.colwise().mean().eval();
+    stop(particles.velocity);
     if (box.sheared())
         particles.velocity.col(0) += box.shear_rate * (particles.position.col(1) - 0.5 * box.length[1]);
 }

@@ -10,6 +10,7 @@
 
 #include "simulation.hpp"
 #include "stress.hpp"
+#include "sums.hpp"
 
 namespace dpd {
 
@@ -63,7 +64,9 @@ inline constexpr std::tuple series_table{
     Series{"kinetic_temperature", "kinetic_temperature", false, Analysis::mean,
            [](auto& now) { return now.kinetic_temperature(); }},
     Series{"momentum", "momentum", false, Analysis::largest,
-           [](auto& now) { return total_momentum(now.simulation.particles, now.simulation.box).norm(); }},
+           [](auto& now) {
+               return std::sqrt(sum_of_squares(total_momentum(now.simulation.particles, now.simulation.box)));
+           }},
     Series{"potential_energy", "potential_energy", false, Analysis::mean,
            [](auto& now) { return now.potential().energy / now.particles(); }},
     // (N - 1) kT counts the degrees of freedom that momentum leaves

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
-#include <complex>
 #include <numbers>
+
+#include "elementary.hpp"
 
 namespace dpd {
 
@@ -116,13 +116,13 @@ void Recorder<d>::operator()(Simulation<d>& simulation) {
                                            simulation.particles.image.col(axis).template cast<double>();
             },
             [=](auto const& now, auto const& then) {
-                return (now - then).rightCols(components).square().sum();
+                return sum_of_squares((now - then).rightCols(components));
             });
     if (auto const& p = parameters_.velocity_autocorrelation)
         correlate(
             simulation, *p, "velocity_autocorrelation", velocity_origins_,
             [&](auto& velocity) { velocity = simulation.particles.velocity; },
-            [=](auto const& now, auto const& then) { return (now * then).rightCols(components).sum(); });
+            [=](auto const& now, auto const& then) { return sum_of((now * then).rightCols(components)); });
 }
 
 template <int d>
@@ -150,7 +150,7 @@ void Recorder<d>::sample_profile(Simulation<d> const& simulation, Eigen::Index b
         auto const bin = std::min(static_cast<Eigen::Index>(y * bins_per_length), bins - 1);
         Vec<d> u = particles.velocity.row(p).matrix().transpose();
         u[0] -= simulation.box.flow_velocity(y);
-        square.sum(bin, block) += u.squaredNorm();
+        square.sum(bin, block) += sum_of_squares(u);
         square.weight(bin, block) += 1.0;
     }
 }
@@ -169,52 +169,82 @@ void Recorder<d>::sample_radial_distribution(Simulation<d> const& simulation, Ei
         g.sum(std::min(static_cast<Eigen::Index>(wide_pairs_.distance[k] * per_range), bins - 1), block) +=
             1.0;
     for (Eigen::Index bin = 0; bin < bins; ++bin)
-        g.weight(bin, block) +=
-            pairs_per_volume * unit_ball *
-            (std::pow(double(bin + 1) / per_range, d) - std::pow(double(bin) / per_range, d));
+        g.weight(bin, block) += pairs_per_volume * unit_ball *
+                                (power(double(bin + 1) / per_range, d) - power(double(bin) / per_range, d));
 }
 // [radial distribution]
 
+namespace {
+
+// The 2l+1 real spherical harmonics of directions, in powers of their components and so without angles;
+// normalized so that the squares of one direction sum to 1.
+class Harmonics {
+public:
+    explicit Harmonics(int l) : l_(l) {
+        for (int m = 0; m <= l; ++m) {
+            double ratio = m == 0 ? 1.0 : 2.0;  // (l-m)!/(l+m)!, for m and -m
+            for (int k = l - m + 1; k <= l + m; ++k) ratio /= k;
+            norm_.push_back(std::sqrt(ratio));
+        }
+    }
+    Eigen::ArrayXd operator()(double x, double y, double z) const {
+        Eigen::ArrayXd result(2 * l_ + 1);
+        double cosine = 1.0, sine = 0.0, first = 1.0;  // (x + iy)^m; (2m-1)!!
+        for (int m = 0; m <= l_; ++m) {
+            double before = 0.0, legendre = first;  // P_k^m(z) over (1 - z^2)^(m/2)
+            for (int k = m + 1; k <= l_; ++k) {
+                double const next = ((2 * k - 1) * z * legendre - (k + m - 1) * before) / (k - m);
+                before = legendre;
+                legendre = next;
+            }
+            double const scale = norm_[std::size_t(m)] * legendre;
+            result[l_ - m] = scale * sine;
+            result[l_ + m] = scale * cosine;
+            double const turned = cosine * x - sine * y;
+            sine = cosine * y + sine * x;
+            cosine = turned;
+            first *= 2 * m + 1;
+        }
+        return result;
+    }
+
+private:
+    int l_;
+    std::vector<double> norm_;
+};
+
+}  // namespace
+
 BondOrder bond_order(Particles<3> const& particles, PairList<3> const& pairs, int l) {
-    using Harmonics = Eigen::ArrayXXcd;  // a column for each m of 0..l: that of -m is its conjugate
+    Harmonics const harmonics(l);
     Eigen::Index const rows = particles.size();
-    Harmonics sum = Harmonics::Zero(rows, l + 1);
-    Eigen::ArrayXd bonds = Eigen::ArrayXd::Zero(rows);
-    Eigen::ArrayXcd total = Eigen::ArrayXcd::Zero(l + 1);
+    Eigen::ArrayXXd sum = Eigen::ArrayXXd::Zero(2 * l + 1, rows);  // a column for each particle
+    Eigen::ArrayXd bonds = Eigen::ArrayXd::Zero(rows), total = Eigen::ArrayXd::Zero(2 * l + 1);
     double total_bonds = 0.0;
     for (std::size_t k = 0; k < pairs.count; ++k) {
-        double const theta = std::acos(std::clamp(pairs.unit[2][k], -1.0, 1.0)),
-                     phi = std::atan2(pairs.unit[1][k], pairs.unit[0][k]);
+        Eigen::ArrayXd const y = harmonics(pairs.unit[0][k], pairs.unit[1][k], pairs.unit[2][k]);
         auto const i = pairs.i[k], j = pairs.j[k];
-        bool const counts = !particles.frozen(i) && !particles.frozen(j);
-        for (int m = 0; m <= l; ++m) {
-            std::complex<double> const y =
-                boost::math::spherical_harmonic(static_cast<unsigned>(l), m, theta, phi);
-            sum(i, m) += y;
-            sum(j, m) += y;  // even l: the same in both directions
-            if (counts) total[m] += y;
-        }
+        sum.col(i) += y;
+        sum.col(j) += y;  // even l: the same in both directions
         bonds[i] += 1.0;
         bonds[j] += 1.0;
-        total_bonds += counts;
+        if (particles.frozen(i) || particles.frozen(j)) continue;
+        total += y;
+        total_bonds += 1.0;
     }
-    // |q|^2 over m = -l..l, normalized so that one bond has 1
-    auto const norm = [l](auto const& q) {
-        double const squared = 2.0 * q.abs2().sum() - std::norm(q[0]);
-        return std::sqrt(4.0 * std::numbers::pi / (2 * l + 1) * squared);
-    };
+    auto const norm = [](auto const& q) { return std::sqrt(sum_of_squares(q)); };
     BondOrder order;
-    if (total_bonds > 0.0) order.global = norm((total / total_bonds).eval());
+    if (total_bonds > 0.0) order.global = norm(total / total_bonds);
     for (Eigen::Index p = 0; p < rows; ++p)
-        if (bonds[p] > 0.0) sum.row(p) /= bonds[p];
-    Harmonics average = sum;  // over a particle and its neighbours
+        if (bonds[p] > 0.0) sum.col(p) /= bonds[p];
+    Eigen::ArrayXXd average = sum;  // over a particle and its neighbours
     for (std::size_t k = 0; k < pairs.count; ++k) {
-        average.row(pairs.i[k]) += sum.row(pairs.j[k]);
-        average.row(pairs.j[k]) += sum.row(pairs.i[k]);
+        average.col(pairs.i[k]) += sum.col(pairs.j[k]);
+        average.col(pairs.j[k]) += sum.col(pairs.i[k]);
     }
     for (Eigen::Index p = 0; p < rows; ++p)
         if (!particles.frozen(p))
-            order.local += norm((average.row(p) / (1.0 + bonds[p])).eval()) / double(particles.fluid);
+            order.local += norm(average.col(p) / (1.0 + bonds[p])) / double(particles.fluid);
     return order;
 }
 

@@ -20,7 +20,11 @@ struct Box {
     double wall = 0.0;  ///< thickness of the wall at either y boundary; the fluid is between them
 
     /// Of the whole box, walls included: length^d.
-    double volume() const { return length.prod(); }
+    double volume() const {
+        double product = length[0];
+        for (int axis = 1; axis < d; ++axis) product *= length[axis];
+        return product;
+    }
     /// Between the walls.
     double fluid_volume() const { return volume() * (1.0 - 2.0 * wall / length[1]); }
     /// Whether there is a flow.

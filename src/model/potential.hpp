@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "state.hpp"
+#include "sums.hpp"
 #include "toml_reader.hpp"
 
 namespace dpd {
@@ -114,7 +115,7 @@ void forget_wall_forces(State<d> const& state, Field<d>& force) {
 template <int d, class Potential>
 PotentialSums potential_sums(PairList<d> const& pairs, Field<d> const& force, Potential const& potential) {
     PotentialSums sums;
-    sums.force_squared = force.square().sum();
+    sums.force_squared = sum_of_squares(force);
     for (std::size_t k = 0; k < pairs.count; ++k) {
         double const r = pairs.distance[k];
         if (r >= potential.cutoff) continue;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "elementary.hpp"
 #include "names.hpp"
 
 namespace dpd {
@@ -30,7 +31,7 @@ constexpr SchemeFormula formula_of(Scheme scheme) {
         case Scheme::shardlow:
             return {"shardlow", [](double a) { return a / (1.0 + a); }};
         case Scheme::exponential:
-            return {"exponential", [](double a) { return -0.5 * std::expm1(-2.0 * a); }};
+            return {"exponential", [](double a) { return 0.5 * one_minus_exponential(2.0 * a); }};
         case Scheme::linear:
             return {"linear", [](double a) { return a; }};
     }

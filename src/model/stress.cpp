@@ -2,13 +2,15 @@
 
 #include <algorithm>
 
+#include "sums.hpp"
+
 namespace dpd {
 
 double sum_in_blocks(std::span<double const> values) {
     double sum = 0.0;
     for (std::size_t begin = 0; begin < values.size(); begin += block_size) {
         auto const size = std::min(block_size, values.size() - begin);
-        sum += Eigen::Map<Eigen::ArrayXd const>(values.data() + begin, Eigen::Index(size)).sum();
+        sum += sum_of(Eigen::Map<Eigen::ArrayXd const>(values.data() + begin, Eigen::Index(size)));
     }
     return sum;
 }
@@ -18,10 +20,10 @@ template <int d>
 double kinetic_stress(Particles<d> const& particles, Box<d> const& box, double time_step) {
     auto const v_x = particles.velocity.col(0);
     auto const v_y = particles.velocity.col(1);
-    if (!box.sheared()) return -particles.mass * (v_x * v_y).sum() / box.volume();
+    if (!box.sheared()) return -particles.mass * sum_of(v_x * v_y) / box.volume();
     auto const flow_at_mid_drift =
         box.shear_rate * (particles.position.col(1) + 0.5 * time_step * v_y - 0.5 * box.length[1]);
-    return -particles.mass * ((v_x - flow_at_mid_drift) * v_y).sum() / box.volume();
+    return -particles.mass * sum_of((v_x - flow_at_mid_drift) * v_y) / box.volume();
 }
 // [kinetic stress]
 

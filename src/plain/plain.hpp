@@ -7,9 +7,11 @@
 #include <cmath>
 #include <vector>
 
+#include "elementary.hpp"
 #include "stages.hpp"
 #include "state.hpp"
 #include "stress.hpp"
+#include "sums.hpp"
 
 namespace dpd::plain {
 
@@ -352,7 +354,7 @@ struct Stages {
         for (Eigen::Index i = 0; i < N; ++i) {
             Row u = v.row(i) - home[std::size_t(i)]->mean;
             u[0] += image(i);
-            home[std::size_t(i)]->square += u.matrix().squaredNorm();
+            home[std::size_t(i)]->square += sum_of_squares(u);
         }
         std::size_t together = 1;
         if (p.mode == Rescaling::global) together = cells.size();
@@ -370,8 +372,8 @@ struct Stages {
                 double const psi = 1.0 + p.amplitude * uniform_noise(key, cell, 1);
                 double const drawn = uniform_noise(key, cell, 2) < 0.5 ? psi : 1.0 / psi;
                 double const log_weight =
-                    d * free * std::log(drawn) - 0.5 * m / p.kT * square * (drawn * drawn - 1.0);
-                if (std::log1p(-uniform_noise(key, cell, 3)) < log_weight) factor = drawn;
+                    d * free * logarithm(drawn) - 0.5 * m / p.kT * square * (drawn * drawn - 1.0);
+                if (logarithm(1.0 - uniform_noise(key, cell, 3)) < log_weight) factor = drawn;
                 state.counters.random_draws += 3;
             } else if (square > 0.0) {
                 factor = std::sqrt(d * free * p.kT / (m * square));

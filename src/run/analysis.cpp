@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "channel.hpp"
+#include "elementary.hpp"
 #include "integrals_of_g.hpp"
 #include "records.hpp"
+#include "sums.hpp"
 #include "transport.hpp"
 
 namespace dpd {
@@ -74,7 +75,7 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
             double found = 0.0, uniform = 0.0;
             for (Eigen::Index bin = 0; bin < mean.size(); ++bin) {
                 double const shell =
-                    std::pow(double(bin + 1), scene.dimension) - std::pow(double(bin), scene.dimension);
+                    power(double(bin + 1), scene.dimension) - power(double(bin), scene.dimension);
                 found += mean[bin] * shell;
                 uniform += shell;
             }
@@ -89,24 +90,27 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
     add("green_kubo_diffusion_constant",
         by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
             // the trapezium rule is exact for free streaming in steps of the spacing
-            return (mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1]) * (curve.x[1] - curve.x[0]) /
+            return (sum_of(mean) - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1]) * (curve.x[1] - curve.x[0]) /
                    components;
         }));
     // first moment over the square of the integral: 1 for an exponential
     add("correlation_moment",
         by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
             Eigen::Map<Eigen::ArrayXd const> const t(curve.x.data(), mean.size());
-            double const integral = mean.sum() - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1];
-            return mean[0] * (t * mean).sum() / (t[1] * integral * integral);
+            double const integral = sum_of(mean) - 0.5 * mean[0] - 0.5 * mean[mean.size() - 1];
+            return mean[0] * sum_of(t * mean) / (t[1] * integral * integral);
         }));
     std::vector<Curve> const temperatures = temperature_profiles(scene, records);
     std::vector<Curve const*> profiles;
     for (auto const& profile : temperatures) profiles.push_back(&profile);
-    add("profile_temperature", by_block(profiles, [](auto const&, auto const& mean) { return mean.mean(); }));
+    add("profile_temperature",
+        by_block(profiles, [](auto const&, auto const& mean) { return mean_of(mean); }));
     // share of cos(4 pi y/L), along which two opposed flows dissipate
     add("temperature_modulation", by_block(profiles, [&](auto const& curve, auto const& mean) {
-            Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
-            return 2.0 * (mean * (4.0 * std::numbers::pi / scene.length[1] * y).cos()).mean() / mean.mean();
+            double share = 0.0;
+            for (Eigen::Index bin = 0; bin < mean.size(); ++bin)
+                share += mean[bin] * cosine_of_turn(2.0 * curve.x[std::size_t(bin)] / scene.length[1]);
+            return 2.0 * share / sum_of(mean);
         }));
     for (char const* name : {"global_q4", "local_q4", "global_q6", "local_q6"})
         add(name, combine(series_of(records, name)));

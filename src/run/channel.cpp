@@ -1,12 +1,13 @@
 #include "channel.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <map>
 
+#include "elementary.hpp"
 #include "records.hpp"
+#include "sums.hpp"
 #include "theory/closed_forms.hpp"
 
 namespace dpd {
@@ -33,32 +34,39 @@ std::vector<ChannelBin> channel_bins(Scene const& scene, Curve const& profile) {
     return bins;
 }
 
-// Least squares for u = sum over columns of c_k f_k.
-Eigen::VectorXd fit(Eigen::MatrixXd const& f, Eigen::VectorXd const& u) {
-    return f.colPivHouseholderQr().solve(u);
+// Least squares: c of u = c f.
+double fit(Eigen::ArrayXd const& f, Eigen::ArrayXd const& u) { return sum_of(f * u) / sum_of_squares(f); }
+
+// Least squares: slope and value at f = 0 of a straight line in f.
+struct Line {
+    double slope, offset;
+};
+Line fit_line(Eigen::ArrayXd const& f, Eigen::ArrayXd const& u) {
+    double const mean = mean_of(f);
+    double const slope = fit(f - mean, u);
+    return {slope, mean_of(u) - slope * mean};
 }
 
 // The power-law profile that fits best; index 1 is the parabola. PK2006 sect. IV.
 struct PowerLaw {
     double maximum = 0.0, index = 1.0;
 };
-PowerLaw fit_power_law(Eigen::VectorXd const& z, Eigen::VectorXd const& u, double width) {
-    Eigen::MatrixXd shape(z.size(), 1);
-    auto const fitted = [&](double index) {
-        for (Eigen::Index k = 0; k < z.size(); ++k)
-            shape(k, 0) = theory::power_law_velocity(1.0, index, width, z[k]);
-        return fit(shape, u)[0];
+PowerLaw fit_power_law(Eigen::ArrayXd const& z, Eigen::ArrayXd const& u, double width) {
+    auto const shape = [&](double index) -> Eigen::ArrayXd {
+        return z.unaryExpr(
+            [=](double height) { return theory::power_law_velocity(1.0, index, width, height); });
     };
     constexpr double least = 0.05, most = 20.0;
     constexpr int bits = 24;  // of a minimum that is flat: more is noise
-    auto const [logarithm, residual] = boost::math::tools::brent_find_minima(
+    auto const [log_index, residual] = boost::math::tools::brent_find_minima(
         [&](double x) {
-            double const maximum = fitted(std::exp(x));
-            return (u - maximum * shape.col(0)).squaredNorm();
+            Eigen::ArrayXd const f = shape(exponential(x));
+            return sum_of_squares(u - fit(f, u) * f);
         },
-        std::log(least), std::log(most), bits);
+        logarithm(least), logarithm(most), bits);
     static_cast<void>(residual);
-    return {fitted(std::exp(logarithm)), std::exp(logarithm)};
+    double const index = exponential(log_index);
+    return {fit(shape(index), u), index};
 }
 
 }  // namespace
@@ -72,11 +80,9 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuan
     auto const* const driven = scene.stage<BodyForce>();
     if (bins.size() < 4 || !driven || driven->acceleration == 0.0) return;
     auto const size = static_cast<Eigen::Index>(bins.size());
-    Eigen::VectorXd z(size);
+    Eigen::ArrayXd z(size);
     for (Eigen::Index k = 0; k < size; ++k) z[k] = bins[std::size_t(k)].z;
-    Eigen::MatrixXd parabola(size, 2);
-    parabola.col(0) = z.array() * (width - z.array());
-    parabola.col(1).setOnes();
+    Eigen::ArrayXd const parabola = z * (width - z);
     double const force = scene.mass * driven->acceleration;
 
     // f(profile in the direction of the flow), for each block
@@ -84,7 +90,7 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuan
         std::vector<double> values;
         for (Curve const* const curve : curves)
             for (Eigen::Index block = 0; block < curve->sum.cols(); ++block) {
-                Eigen::VectorXd u(size);
+                Eigen::ArrayXd u(size);
                 bool whole = true;
                 for (Eigen::Index k = 0; k < size; ++k) {
                     auto const& at = bins[std::size_t(k)];
@@ -96,34 +102,34 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuan
             }
         return independent(values);
     };
-    add("poiseuille_viscosity", over(velocities, true, [&](Eigen::VectorXd const& u) {
-            return n * force / (2.0 * fit(parabola.leftCols(1), u)[0]);
+    add("poiseuille_viscosity", over(velocities, true, [&](Eigen::ArrayXd const& u) {
+            return n * force / (2.0 * fit(parabola, u));
         }));
     Estimate const fastest =
-        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).maximum; });
+        over(velocities, true, [&](Eigen::ArrayXd const& u) { return fit_power_law(z, u, width).maximum; });
     add("maximum_velocity", fastest);
     add("power_law_index",
-        over(velocities, true, [&](Eigen::VectorXd const& u) { return fit_power_law(z, u, width).index; }));
-    add("slip", over(velocities, true, [&](Eigen::VectorXd const& u) {
-            Eigen::VectorXd const c = fit(parabola, u);
-            return c[1] / (c[0] * width * width / 4.0);
+        over(velocities, true, [&](Eigen::ArrayXd const& u) { return fit_power_law(z, u, width).index; }));
+    add("slip", over(velocities, true, [&](Eigen::ArrayXd const& u) {
+            auto const line = fit_line(parabola, u);
+            return line.offset / (line.slope * width * width / 4.0);
         }));
-    add("bulk_density", over(densities, false, [&](Eigen::VectorXd const& density) {
+    add("bulk_density", over(densities, false, [&](Eigen::ArrayXd const& density) {
             double sum = 0.0, count = 0.0;
             for (Eigen::Index k = 0; k < size; ++k)
                 if (std::abs(z[k] / width - 0.5) < 0.25) sum += density[k], count += 1.0;
             return sum / (count * n);
         }));
     add("density_peak",
-        over(densities, false, [&](Eigen::VectorXd const& density) { return density.maxCoeff() / n; }));
+        over(densities, false, [&](Eigen::ArrayXd const& density) { return density.maxCoeff() / n; }));
     if (!scene.coarse_graining || scene.coarse_graining->viscosity == 0.0) return;
     double const eta = scene.coarse_graining->viscosity;
-    Eigen::VectorXd expected(size);
+    Eigen::ArrayXd expected(size);
     for (Eigen::Index k = 0; k < size; ++k)
         expected[k] = theory::poiseuille_velocity(n, force, eta, width, z[k]);
     double const maximum = theory::poiseuille_maximum_velocity(n, force, eta, width);
-    add("navier_stokes_deviation", over(velocities, true, [&](Eigen::VectorXd const& u) {
-            return std::sqrt((u - expected).squaredNorm() / double(size)) / maximum;
+    add("navier_stokes_deviation", over(velocities, true, [&](Eigen::ArrayXd const& u) {
+            return std::sqrt(sum_of_squares(u - expected) / double(size)) / maximum;
         }));
     auto const fastest_over = [&](double speed) {
         Estimate ratio = fastest;

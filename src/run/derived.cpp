@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary.hpp"
 #include "theory/closed_forms.hpp"
 
 namespace dpd {
@@ -31,7 +32,7 @@ void add_function(std::vector<Quantity>& quantities, std::string name, std::vect
     for (std::size_t a = 0; a < at.size(); ++a) {
         auto shifted = at;
         shifted[a] += arguments[a].error;
-        variance += std::pow(f(shifted) - result.value, 2);
+        variance += power(f(shifted) - result.value, 2);
     }
     result.error = std::sqrt(variance);
     quantities.push_back({std::move(name), result});

@@ -9,6 +9,7 @@
 #include "files.hpp"
 #include "progress.hpp"
 #include "signals.hpp"
+#include "sums.hpp"
 #include "trajectory.hpp"
 
 namespace dpd {
@@ -38,7 +39,7 @@ void append_frame(Trajectory& trajectory, Simulation<d> const& simulation) {
 // Of the velocities across the flow along x, which do not know it; walls are at rest.
 template <int d>
 double temperature_across(Particles<d> const& particles) {
-    double const sum = particles.velocity.rightCols(d - 1).square().sum();
+    double const sum = sum_of_squares(particles.velocity.rightCols(d - 1));
     return particles.mass * sum / (double(d - 1) * double(particles.fluid));
 }
 

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "records.hpp"
+#include "sums.hpp"
 
 namespace dpd {
 
@@ -20,8 +21,8 @@ double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int compon
 // Least-squares slope of the velocity profile over the imposed shear rate.
 double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double shear_rate) {
     Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
-    Eigen::ArrayXd const centred = y - y.mean();
-    return (centred * mean).sum() / centred.square().sum() / shear_rate;
+    Eigen::ArrayXd const centred = y - mean_of(y);
+    return sum_of(centred * mean) / sum_of_squares(centred) / shear_rate;
 }
 
 std::vector<Curve> temperature_profiles(Scene const& scene, std::vector<Record> const& records) {

@@ -617,13 +617,13 @@ void check_fingerprint(std::array<double, d> length, double density, double shea
 BOOST_AUTO_TEST_CASE(
     trajectories_have_the_bits_of_this_revision,
     *boost::unit_test::enable_if<std::string_view(build_flags).find("native") == std::string_view::npos>()) {
-    BOOST_TEST(engine_revision == 1);
-    check_fingerprint<3>({8.0, 9.0, 7.0}, 3.0, 0.0, 9073724686332728732u);
-    check_fingerprint<3>({8.0, 9.0, 7.0}, 3.0, 0.1, 523167668566299233u);
-    check_fingerprint<3>({2.5, 9.0, 7.0}, 3.0, 0.1, 10627007541915556028u);
-    check_fingerprint<3>({7.0, 2.5, 3.5}, 3.0, 0.0, 15963483405510592059u);
-    check_fingerprint<3>({7.0, 3.5, 2.5}, 1.0, 0.1, 11586832308265552895u);
-    check_fingerprint<3>({2.0, 2.5, 2.2}, 8.0, 0.0, 11331108954260861096u);
-    check_fingerprint<2>({12.0, 9.0}, 3.0, 0.1, 6570690872143489827u);
-    check_fingerprint<2>({2.6, 2.1}, 6.0, 0.0, 11251355811898465636u);
+    BOOST_TEST(engine_revision == 2);
+    check_fingerprint<3>({8.0, 9.0, 7.0}, 3.0, 0.0, 9022893653780782198u);
+    check_fingerprint<3>({8.0, 9.0, 7.0}, 3.0, 0.1, 3393816861165886521u);
+    check_fingerprint<3>({2.5, 9.0, 7.0}, 3.0, 0.1, 16934750259854406030u);
+    check_fingerprint<3>({7.0, 2.5, 3.5}, 3.0, 0.0, 3613597330962874905u);
+    check_fingerprint<3>({7.0, 3.5, 2.5}, 1.0, 0.1, 14511043868650684351u);
+    check_fingerprint<3>({2.0, 2.5, 2.2}, 8.0, 0.0, 18083791436276472124u);
+    check_fingerprint<2>({12.0, 9.0}, 3.0, 0.1, 13259042830041303842u);
+    check_fingerprint<2>({2.6, 2.1}, 6.0, 0.0, 6653940592827652788u);
 }

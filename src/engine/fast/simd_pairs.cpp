@@ -46,46 +46,54 @@ HWY_INLINE hn::Vec<Rows> to_front(Rows rows, hn::Vec<Rows> row, hn::Mask<Rows> m
     }
 }
 
-// A vector of candidates meets all particles of the home cells before the next one is loaded. So the list
-// changes the first particle more often, which lets some updates overlap; pairs that share a particle keep
-// their order.
+// `widest` candidates, in one vector or in several, meet all particles of the home cells before the next ones
+// are loaded: so the list is the same for every width, and it changes the first particle often, which lets
+// some updates overlap; pairs that share a particle keep their order.
 template <int d>
 HWY_INLINE std::size_t near_lanes(Sorted<d> const& sorted, std::span<Candidates const> cells,
                                   float limit_squared, std::uint32_t* i, std::uint32_t* j) {
     hn::ScalableTag<float> const lanes;
     hn::RebindToUnsigned<decltype(lanes)> const rows;
-    std::size_t const width = hn::Lanes(lanes);
+    constexpr std::size_t width = hn::MaxLanes(lanes), vectors = widest / width;
     auto const limit = hn::Set(lanes, limit_squared);
     std::size_t count = 0;
     for (Candidates const& cell : cells)
         for (std::size_t r = 0; r < cell.range_count; ++r) {
             Range const& range = cell.ranges[r];
-            for (std::size_t q = range.begin; q < range.end; q += width) {
-                hn::Vec<decltype(lanes)> partner[d];
-                for (int axis = 0; axis < d; ++axis) {
-                    partner[axis] = hn::LoadU(lanes, sorted.position[axis] + q);
-                    if (axis < 2) partner[axis] = hn::Add(partner[axis], hn::Set(lanes, range.shift[axis]));
-                }
-                auto const row = hn::LoadU(rows, sorted.row + q);
-                auto const there = hn::FirstN(lanes, range.end - q);
-                auto const meet = [&](std::size_t h, auto candidates) HWY_ATTR {
-                    auto squared = hn::Zero(lanes);
+            for (std::size_t q = range.begin; q < range.end; q += widest) {
+                hn::Vec<decltype(lanes)> partner[vectors][d];
+                for (std::size_t v = 0; v < vectors; ++v)
                     for (int axis = 0; axis < d; ++axis) {
-                        auto const s = hn::Sub(hn::Set(lanes, sorted.position[axis][h]), partner[axis]);
-                        squared = hn::Add(squared, hn::Mul(s, s));
+                        partner[v][axis] = hn::LoadU(lanes, sorted.position[axis] + q + v * width);
+                        if (axis < 2)
+                            partner[v][axis] = hn::Add(partner[v][axis], hn::Set(lanes, range.shift[axis]));
                     }
-                    auto const near = hn::RebindMask(rows, hn::And(hn::Lt(squared, limit), candidates));
-                    // whole vectors are written; the next result begins where the valid lanes end
-                    hn::StoreU(to_front(rows, row, near), rows, j + count);
-                    hn::StoreU(hn::Set(rows, sorted.row[h]), rows, i + count);
-                    count += hn::CountTrue(rows, near);
+                // with those of the candidates from `first` on
+                auto const meet = [&](std::size_t h, std::size_t first) HWY_ATTR {
+                    for (std::size_t v = 0; v < vectors; ++v) {
+                        std::size_t const begin = q + v * width;
+                        if (begin >= range.end) break;
+                        auto squared = hn::Zero(lanes);
+                        for (int axis = 0; axis < d; ++axis) {
+                            auto const s =
+                                hn::Sub(hn::Set(lanes, sorted.position[axis][h]), partner[v][axis]);
+                            squared = hn::Add(squared, hn::Mul(s, s));
+                        }
+                        auto near = hn::And(hn::Lt(squared, limit), hn::FirstN(lanes, range.end - begin));
+                        if (first > begin) near = hn::AndNot(hn::FirstN(lanes, first - begin), near);
+                        auto const found = hn::RebindMask(rows, near);
+                        // whole vectors are written; the next result begins where the valid lanes end
+                        hn::StoreU(to_front(rows, hn::LoadU(rows, sorted.row + begin), found), rows,
+                                   j + count);
+                        hn::StoreU(hn::Set(rows, sorted.row[h]), rows, i + count);
+                        count += hn::CountTrue(rows, found);
+                    }
                 };
                 // with its own cells a particle pairs from its successor on
                 std::size_t const before =
                     r == 0 ? std::clamp(q, cell.home_begin, cell.home_end) : cell.home_end;
-                for (std::size_t h = cell.home_begin; h < before; ++h) meet(h, there);
-                for (std::size_t h = before; h < std::min(q + width, cell.home_end); ++h)
-                    meet(h, hn::AndNot(hn::FirstN(lanes, h - q + 1), there));
+                for (std::size_t h = cell.home_begin; h < before; ++h) meet(h, q);
+                for (std::size_t h = before; h < std::min(q + widest, cell.home_end); ++h) meet(h, h + 1);
             }
         }
     return count;
