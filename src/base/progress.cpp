@@ -31,6 +31,11 @@ Progress::~Progress() {
     if (terminal_) fmt::print(stderr, "\r\033[K");
 }
 
+void Progress::tell(std::string const& text) {
+    std::scoped_lock const lock(mutex_);
+    told_ = text.empty() ? "" : ", " + text;
+}
+
 void Progress::operator()(double fraction) {
     std::scoped_lock const lock(mutex_);
     auto const now = std::chrono::steady_clock::now();
@@ -41,10 +46,10 @@ void Progress::operator()(double fraction) {
     double const done = fraction - first_;
     auto const left = done > 0.0 ? duration_text(elapsed * (1.0 - fraction) / done) : std::string("?");
     if (terminal_)
-        fmt::print(stderr, "\r\033[K{} {:5.1f} %  {} left", title_, 100.0 * fraction, left);
+        fmt::print(stderr, "\r\033[K{} {:5.1f} %  {} left{}", title_, 100.0 * fraction, left, told_);
     else
-        fmt::print(stderr, "{}: {:.1f} % done after {}, {} left\n", title_, 100.0 * fraction,
-                   duration_text(elapsed), left);
+        fmt::print(stderr, "{}: {:.1f} % done after {}, {} left{}\n", title_, 100.0 * fraction,
+                   duration_text(elapsed), left, told_);
     std::fflush(stderr);
 }
 

@@ -21,8 +21,11 @@ public:
     /// `fraction` of the work is done; safe to call from several threads.
     void operator()(double fraction);
 
+    /// What the lines say besides from now on.
+    void tell(std::string const& text);
+
 private:
-    std::string title_;
+    std::string title_, told_;
     bool terminal_;
     std::chrono::duration<double> interval_;  ///< between two lines, or two states of one
     std::chrono::steady_clock::time_point start_, last_;

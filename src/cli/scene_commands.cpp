@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// What the inverse-root law asks for.
+std::string more_time(double duration, ErrorWanted const& e) {
+    if (!std::isfinite(e.error())) return "";
+    return fmt::format(" (an error that falls as t^(-1/2) needs about {:.2g})",
+                       duration * std::pow(e.error() / e.wanted, 2));
+}
+
 void warn(Scene const& scene, RunResult const& result) {
     if (result.counters.coincident_pairs > 0)
         fmt::print(stderr, "dpdref: warning: {} pairs at r = 0 had no direction and did not interact\n",
@@ -27,6 +35,11 @@ void warn(Scene const& scene, RunResult const& result) {
                    "dpdref: warning: kT ended at {:.3g}, the thermostat is set to {:.3g}; try a smaller "
                    "time.step\n",
                    result.kinetic_temperature, set);
+    for (auto const& e : result.errors)
+        if (!e.reached())
+            fmt::print(stderr,
+                       "dpdref: warning: after the greatest duration, {:g}, {}; allow more: time.longest{}\n",
+                       result.duration, e.text(), more_time(result.duration, e));
 }
 
 // What costs N^2 says so beforehand.
@@ -55,6 +68,14 @@ void print_json(Scene const& scene, RunResult const& result) {
     for (auto const& q : analyze(scene, {result.record}))
         output["quantities"][q.name] = {
             {"value", q.estimate.value}, {"error", q.estimate.error}, {"blocks", q.estimate.blocks}};
+    if (scene.until) {
+        output["until"]["duration"] = result.duration;
+        for (auto const& e : result.errors) {
+            auto& error = output["until"]["errors"][e.quantity];
+            error = {{"wanted", e.wanted}, {"error", nullptr}, {"reached", e.reached()}};
+            if (std::isfinite(e.error())) error["error"] = e.error();
+        }
+    }
     output["counters"] = {{"steps", counters.steps},
                           {"searches", counters.searches},
                           {"pairs_found", counters.pairs_found},
@@ -80,6 +101,9 @@ void print_text(Scene const& scene, RunResult const& result) {
         else
             fmt::print("  {:<30} {:>14.6g}\n", q.name, q.estimate.value);
     }
+    for (auto const& e : result.errors)
+        fmt::print("  {}: {} after a duration of {:g}\n", e.text(), e.reached() ? "reached" : "not reached",
+                   result.duration);
     if (scene.stage<BodyForce>() && scene.sample.asks("kinetic_temperature") && !result.from_cache)
         fmt::print(
             "  kinetic_temperature counts the flow as heat; across the flow kT ended at {:.3g} (along the "
@@ -91,10 +115,30 @@ void print_text(Scene const& scene, RunResult const& result) {
         counters.coincident_pairs);
 }
 
+// "viscosity=1%" as the setting of a scene, "time.until.viscosity=0.01".
+std::string until_setting(std::string const& wanted) {
+    auto const equals = wanted.find('=');
+    std::string const quantity = wanted.substr(0, equals);
+    std::string number = equals == std::string::npos ? "" : wanted.substr(equals + 1);
+    bool const percent = number.ends_with('%');
+    if (percent) number.pop_back();
+    double error = 0.0;
+    auto const [end, problem] = std::from_chars(number.data(), number.data() + number.size(), error);
+    if (percent) error /= 100.0;
+    bool const named = !quantity.empty() && quantity.find_first_of(". ") == std::string::npos;
+    if (!named || problem != std::errc{} || end != number.data() + number.size() ||
+        !(error > 0.0 && error < 1.0))
+        throw InputError(fmt::format(
+            "--until {}: is not allowed; allowed: QUANTITY=ERROR, an error above 0 and below 1 or 100%",
+            wanted));
+    return fmt::format("time.until.{}={}", quantity, error);
+}
+
 // A scene file with what the command line adds to it.
 struct SceneOptions {
     std::string file;
     std::vector<std::string> overrides;
+    std::vector<std::string> until;
     std::optional<std::string> seed;
 
     void add_to(CLI::App& command) {
@@ -103,7 +147,20 @@ struct SceneOptions {
             ->allow_extra_args(false);
         command.add_option("--seed", seed, "seed of all noise, 0 to 2^64-1");
     }
-    Scene load() const { return load_scene(file, overrides, read_seed(seed)); }
+    void add_until_to(CLI::App& command) {
+        command
+            .add_option(
+                "--until", until,
+                "QUANTITY=ERROR, relative: 1% or 0.01. Runs time.duration, then twice as long, four times, "
+                "... until the errors by blocking are that small, or for time.longest")
+            ->allow_extra_args(false)
+            ->delimiter(',');
+    }
+    Scene load() const {
+        auto settings = overrides;
+        for (auto const& wanted : until) settings.push_back(until_setting(wanted));
+        return load_scene(file, settings, read_seed(seed));
+    }
 };
 
 }  // namespace
@@ -118,6 +175,7 @@ Command run(CLI::App& app) {
     auto const options = std::make_shared<Options>();
     auto* const command = app.add_subcommand("run", "run a scene");
     options->scene.add_to(*command);
+    options->scene.add_until_to(*command);
     command->add_option("--out", options->out, "HDF5 file of results, checkpoints and provenance");
     command->add_option("--engine", options->engine, "fast, or plain: the papers as code, src/plain")
         ->check(CLI::IsMember(std::vector<std::string>(names<Engine>.begin(), names<Engine>.end())));
@@ -133,6 +191,7 @@ Command run(CLI::App& app) {
                 {
                     Progress progress(scene.title.empty() ? options->scene.file : scene.title);
                     how.progress = [&](double fraction) { progress(fraction); };
+                    how.tell = [&](std::string const& text) { progress.tell(text); };
                     result = dpd::run(scene, how);
                 }
                 warn(scene, result);

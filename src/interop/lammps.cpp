@@ -31,6 +31,7 @@ void check_stages(Scene const& scene) {
     static std::array<List, 4> const steps{List{"modified_verlet"}, List{"verlet"},
                                            List{"shardlow", "verlet"}, List{"shardlow", "drift"}};
     List movers;
+    if (scene.until) refuse("time.until", "LAMMPS runs a number of steps", "time.duration alone");
     for (AnyStage const& stage : scene.stages) {
         std::string const name(kind_of(stage).name);
         if (kind_of(stage).lammps.empty()) refuse("stage " + name, "LAMMPS has no such stage", step_lists);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -14,6 +15,14 @@ void Curve::resize(std::size_t bins) {
     x.resize(bins);
     sum.setZero(static_cast<Eigen::Index>(bins), curve_blocks);
     weight.setZero(static_cast<Eigen::Index>(bins), curve_blocks);
+}
+
+void Curve::double_blocks() {
+    for (Eigen::ArrayXXd* const part : {&sum, &weight}) {
+        for (Eigen::Index block = 0; block < curve_blocks / 2; ++block)
+            part->col(block) = (part->col(2 * block) + part->col(2 * block + 1)).eval();
+        part->rightCols(curve_blocks / 2).setZero();
+    }
 }
 
 std::vector<double> Curve::block_means(Eigen::Index bin) const {
@@ -39,6 +48,11 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
     : parameters_(std::move(parameters)),
       time_step_(simulation.time_step),
       particles_(simulation.particles.size()) {
+    // The blocks begin short and double until they span the run, so that a run that ends after half as many
+    // steps, or a quarter, has summed the same numbers in the same order: both begin with the same odd
+    // number of steps.
+    span_ = std::max<std::uint64_t>(1, parameters_.steps - parameters_.equilibration);
+    span_ >>= std::countr_zero(span_);
     auto& series = record_.series;
     for_each_series([&](auto const& row) {
         if (parameters_.observables.contains(row.observable) &&
@@ -77,17 +91,15 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
 
 template <int d>
 Eigen::Index Recorder<d>::block_of(std::uint64_t step) const {
-    std::uint64_t const production =
-        std::max<std::uint64_t>(1, parameters_.steps - parameters_.equilibration);
-    auto const block =
-        static_cast<Eigen::Index>((step - parameters_.equilibration) * curve_blocks / production);
-    return std::min(block, curve_blocks - 1);
+    return static_cast<Eigen::Index>((step - parameters_.equilibration) * curve_blocks / span_);
 }
 
 template <int d>
 void Recorder<d>::operator()(Simulation<d>& simulation) {
     if (simulation.step < parameters_.equilibration) return;
     std::uint64_t const step = simulation.step - parameters_.equilibration;
+    for (; step >= span_; span_ *= 2)
+        for (auto& [name, curve] : record_.curves) curve.double_blocks();
     auto& series = record_.series;
     if (step % parameters_.interval == 0) {
         Instant<d> now(simulation);
@@ -273,16 +285,20 @@ void Recorder<d>::correlate(Simulation<d> const& simulation, CorrelationParamete
     for (Eigen::Index p = 0; p < by_row.rows(); ++p) now.row(simulation.particles.id[p]) = by_row.row(p);
 
     std::uint64_t const longest = parameters.spacing * parameters.lags;
-    std::erase_if(origins, [&](Origin const& origin) { return simulation.step - origin.step > longest; });
-    // an origin starts only where its last lag still fits into the run, so that all lags have equal weight
+    // an origin starts only where its last lag still fits into the run, and counts once that is reached, so
+    // that all lags have equal weight
     if (step % parameters.origin_spacing == 0 && simulation.step + longest < parameters_.steps)
-        origins.push_back({simulation.step, now});
-    Curve& curve = record_.curves[name];
-    for (auto const& origin : origins) {
+        origins.push_back({simulation.step, now, Eigen::ArrayXd::Zero(Eigen::Index(parameters.lags + 1))});
+    for (auto& origin : origins) {
         auto const lag = static_cast<Eigen::Index>((simulation.step - origin.step) / parameters.spacing);
-        curve.sum(lag, block_of(origin.step)) += product(now, origin.value);
-        curve.weight(lag, block_of(origin.step)) += double(simulation.particles.fluid);
+        origin.products[lag] = product(now, origin.value);
     }
+    if (origins.empty() || simulation.step - origins.front().step < longest) return;
+    Curve& curve = record_.curves[name];
+    Eigen::Index const block = block_of(origins.front().step);
+    curve.sum.col(block) += origins.front().products;
+    curve.weight.col(block) += double(simulation.particles.fluid);
+    origins.erase(origins.begin());
 }
 
 template <int d>
@@ -294,8 +310,10 @@ void Recorder<d>::archive_origins(Archive& archive, std::string const& name, std
     for (std::size_t o = 0; o < origins.size(); ++o) {
         archive(fmt::format("checkpoint/{}/{}/step", name, o), origins[o].step);
         archive(fmt::format("checkpoint/{}/{}/value", name, o), origins[o].value);
+        archive(fmt::format("checkpoint/{}/{}/products", name, o), origins[o].products);
         if (origins[o].step < parameters_.equilibration || origins[o].step >= parameters_.steps ||
-            origins[o].value.rows() != particles_)
+            origins[o].value.rows() != particles_ ||
+            origins[o].products.size() != record_.curves.at(name).sum.rows())
             archive.refuse("checkpoint/" + name, "has an origin that is not of this run");
     }
 }
@@ -325,6 +343,12 @@ void Recorder<d>::check(Archive const& archive, Record const& expected) const {
 }
 
 template <int d>
+void Recorder<d>::finish() {
+    displacement_origins_.clear();
+    velocity_origins_.clear();
+}
+
+template <int d>
 void Recorder<d>::archive(Archive& archive) {
     if (archive.reading()) {
         Record const expected = record_;
@@ -336,8 +360,13 @@ void Recorder<d>::archive(Archive& archive) {
             archive.describe_time("observables/" + name, parameters_.equilibration, parameters_.interval,
                                   time_step_);
     }
-    if (parameters_.mean_square_displacement) archive_origins(archive, "displacement", displacement_origins_);
-    // not "velocity": that is the particles'
+    archive("checkpoint/blocks/span", span_);
+    std::uint64_t const production =
+        std::max<std::uint64_t>(1, parameters_.steps - parameters_.equilibration);
+    if (span_ == 0 || production % span_ != 0 || !std::has_single_bit(production / span_))
+        archive.refuse("checkpoint/blocks/span", "is not that of a run of this length");
+    if (parameters_.mean_square_displacement)
+        archive_origins(archive, "mean_square_displacement", displacement_origins_);
     if (parameters_.velocity_autocorrelation)
         archive_origins(archive, "velocity_autocorrelation", velocity_origins_);
 }

@@ -50,7 +50,7 @@ struct BondOrderParameters {
 struct SampleParameters {
     std::uint64_t interval = 1;                      ///< steps between samples of the scalars
     std::uint64_t equilibration = 0;                 ///< steps before the first sample
-    std::uint64_t steps = 0;                         ///< last step
+    std::uint64_t steps = 0;                         ///< last step, or the last that may be
     std::set<std::string, std::less<>> observables;  ///< names of the table, observables.hpp
     bool configuration = false;                      ///< the positions at the last sample
     std::uint64_t green_kubo_window = 0;  ///< steps over which stress is summed for the viscosity; 0: none
@@ -73,6 +73,8 @@ struct Curve {
 
     /// Makes room for so many bins, without data.
     void resize(std::size_t bins);
+    /// Half as many blocks of twice the length; the other half has no data.
+    void double_blocks();
     /// Block means of one bin; blocks without data are left out.
     std::vector<double> block_means(Eigen::Index bin) const;
 };
@@ -107,14 +109,18 @@ public:
     void operator()(Simulation<d>& simulation);
     /// Stores or restores what was measured and the open time origins.
     void archive(Archive& archive);
+    /// Forgets the open time origins: the run is over.
+    void finish();
     /// What was measured so far.
     Record const& record() const { return record_; }
 
 private:
-    /// One time origin of a correlation: what was stored, by particle id.
+    /// One time origin of a correlation: what was stored, by particle id, and its product with each lag so
+    /// far.
     struct Origin {
         std::uint64_t step = 0;
         Field<d> value;
+        Eigen::ArrayXd products;
     };
 
     void sample_profile(Simulation<d> const&, Eigen::Index block);
@@ -130,6 +136,7 @@ private:
     SampleParameters parameters_;
     double time_step_ = 0.0;
     Eigen::Index particles_ = 0;
+    std::uint64_t span_ = 1;  // steps after equilibration over which the blocks of curves reach
     Record record_;
     PairSearch<d> wide_search_;  // for g(r) beyond the cutoff
     PairSearch<d> bond_search_;

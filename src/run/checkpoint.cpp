@@ -5,6 +5,7 @@
 #include "archive.hpp"
 #include "errors.hpp"
 #include "plain_stages.hpp"
+#include "until.hpp"
 #include "version.hpp"
 
 namespace dpd {
@@ -105,6 +106,15 @@ void RunFile<d>::save(std::string status, Simulation<d>& simulation, Recorder<d>
     archive("dpdref/bytes", bytes);
     archive_counters(archive, simulation.counters);
     recorder.archive(archive);
+    if (scene_.until && status == "complete") {
+        double duration = double(simulation.step - scene_.equilibration_steps) * scene_.time_step;
+        archive("dpdref/until/duration", duration);
+        for (auto const& e : errors_wanted(scene_, recorder.record())) {
+            double wanted = e.wanted, reached = e.error();
+            archive("dpdref/until/" + e.quantity + "/wanted", wanted);
+            archive("dpdref/until/" + e.quantity + "/reached", reached);
+        }
+    }
     if (status == "interrupted") archive_state(archive, scene_.engine, simulation);
     archive.commit();
 }

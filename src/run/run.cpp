@@ -66,6 +66,7 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
     std::unique_ptr<Recorder<d>> recorder;
     Simulation<d> simulation = build<d>(scene, [&recorder](Simulation<d>& s) { (*recorder)(s); });
     recorder = std::make_unique<Recorder<d>>(scene.sample, simulation);
+    check_errors_wanted(scene, recorder->record());
     double earlier_seconds = 0.0;
     std::uint64_t earlier_bytes = 0;
     bool complete = false, resumed = false;
@@ -114,15 +115,26 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
         if (!resumed) save("interrupted");
         using Seconds = std::chrono::duration<double>;
         auto next_checkpoint = start + Seconds(scene.checkpoint_seconds);
-        auto last_progress = start;
+        auto last_progress = start, next_look = start;
+        std::uint64_t expected = expected_steps(scene, simulation.step, {});
+        auto const look_at_errors = [&] {
+            auto const begin = Clock::now();
+            auto const errors = errors_wanted(scene, recorder->record());
+            expected = expected_steps(scene, simulation.step, errors);
+            if (options.tell) options.tell(progress_text(errors));
+            auto const end = Clock::now();
+            next_look = end + std::max<Clock::duration>(std::chrono::seconds(1), 20 * (end - begin));
+        };
         try {
-            while (simulation.step < scene.steps()) {
+            while (!is_over(scene, simulation.step, recorder->record())) {
                 simulation.advance();
                 if (trajectory && simulation.step % scene.trajectory_interval == 0)
                     append_frame(*trajectory, simulation);
                 auto const now = Clock::now();
                 if (options.progress && now - last_progress > std::chrono::milliseconds(200)) {
-                    options.progress(double(simulation.step) / double(scene.steps()));
+                    if (scene.until && now > next_look && simulation.step > scene.equilibration_steps)
+                        look_at_errors();
+                    options.progress(double(simulation.step) / double(expected));
                     last_progress = now;
                 }
                 bool const stop = options.stop && *options.stop && simulation.step < scene.steps();
@@ -134,13 +146,15 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
                 }
                 if (stop)
                     throw Interrupted(fmt::format(
-                        "interrupted at step {} of {}; {}", simulation.step, scene.steps(),
+                        "interrupted at step {} of {}{}; {}", simulation.step, scene.until ? "at most " : "",
+                        scene.steps(),
                         file ? "the same command goes on from there" : "without --out nothing is kept"));
             }
         } catch (Diverged const& divergence) {
             save(fmt::format("{}{}", diverged, divergence.what()));
             throw;
         }
+        recorder->finish();
         save("complete");
     }
     if (options.progress) options.progress(1.0);
@@ -150,6 +164,8 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
                                          : kinetic_temperature(simulation.particles, simulation.box);
     result.record = recorder->record();
     result.counters = simulation.counters;
+    result.duration = double(result.counters.steps - scene.equilibration_steps) * scene.time_step;
+    result.errors = errors_wanted(scene, result.record);
     result.bytes = complete ? earlier_bytes : simulation.bytes();
     return result;
 }

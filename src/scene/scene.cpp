@@ -21,6 +21,12 @@ namespace {
 // Each has a stream of noise of its own.
 constexpr std::size_t most_stages = 250;
 
+// A run until errors are small may be so many times as long as its least duration, if it does not say.
+constexpr double default_growth = 64.0;
+
+constexpr Allowed relative_error{[](double x) { return x > 0.0 && x < 1.0; },
+                                 "a relative error, between 0 and 1"};
+
 constexpr Allowed bin_count{[](double x) { return x >= 1.0 && x <= 1e6; }, "an integer, 1 to 10^6"};
 
 // The time `key` of a table in steps.
@@ -109,6 +115,26 @@ void read_time(Scene& scene, TomlReader reader) {
         reader.fail("duration", fmt::format("{:g} is below one step; allowed: at least time.step, {:g}",
                                             duration, scene.time_step));
     scene.checkpoint_seconds = reader.number("checkpoint", 30.0, positive);
+    if (reader.has("longest") && !reader.has("until"))
+        reader.fail("longest", "is for a run until errors are small; allowed: with time.until");
+    if (auto table = reader.table("until")) {
+        auto& until = scene.until.emplace();
+        for (auto const& [key, value] : table->raw()) {
+            std::string const quantity(key.str());
+            until.errors[quantity] = table->number(quantity, std::nullopt, relative_error);
+        }
+        table->finish();
+        if (until.errors.empty())
+            reader.fail("until", "names no quantity; allowed: { viscosity = 0.01 } and the like");
+        double const longest = reader.number("longest", default_growth * duration, positive);
+        if (!(longest >= duration))
+            reader.fail("longest",
+                        fmt::format("is {:g}; allowed: at least time.duration, {:g}", longest, duration));
+        steps_of(reader, "longest", longest, scene.time_step);
+        constexpr double rounding = 1.0 + 1e-9;  // 0.3 is three times 0.1
+        until.longest = scene.production_steps;
+        for (double growth = 2.0; growth <= longest / duration * rounding; growth *= 2.0) until.longest *= 2;
+    }
     reader.finish();
 }
 

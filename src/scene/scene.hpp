@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,13 @@ struct CoarseGrainingParameters {
     std::vector<double> length;       ///< sides of the fluid, sigma; empty: box.length counts
     double force = 0.0;               ///< on each atom, along x, m sigma/tau^2
     double viscosity = 0.0;           ///< of the DPD fluid, its own units; with `force` only
+};
+
+/// A run that goes on until its relative errors are small enough. They are looked at after 1, 2, 4, ... times
+/// `production_steps`, the last time after `longest`.
+struct Until {
+    std::map<std::string, double> errors;  ///< wanted, relative: by quantity
+    std::uint64_t longest = 0;  ///< steps after equilibration: `production_steps` times a power of 2
 };
 
 /// Which of the two implementations of the stages runs a scene.
@@ -61,7 +69,8 @@ struct Scene {
     Start start = Start::random;            ///< where particles begin
     double time_step = 0.0;                 ///< time
     std::uint64_t equilibration_steps = 0;  ///< before the first sample
-    std::uint64_t production_steps = 0;     ///< in which samples are taken
+    std::uint64_t production_steps = 0;     ///< in which samples are taken; with `until` at least so many
+    std::optional<Until> until;             ///< none: `production_steps` it is
     double checkpoint_seconds = 30.0;       ///< wall clock between checkpoints
     Search search = Search::cell;           ///< how pairs are found
     Order order = Order::cell;              ///< in which sequential updates visit them
@@ -79,8 +88,8 @@ struct Scene {
         const;  ///< of a Poiseuille flow: between the walls, or half a box of opposed flows
     /// Of the fluid, particles per volume.
     double density() const { return double(particles) / fluid_volume(); }
-    /// Of the whole run.
-    std::uint64_t steps() const { return equilibration_steps + production_steps; }
+    /// Of the whole run; with `until` the most that there may be.
+    std::uint64_t steps() const { return equilibration_steps + (until ? until->longest : production_steps); }
 
     /// The scene's stage of that kind, or none.
     template <class S>

@@ -93,7 +93,7 @@ void add_correlation(Needs& needs, Scene const& scene, TomlReader& sample, std::
     needs.add(table, "longest", fmt::format("{} lags", correlation->lags),
               bytes_per_lag * double(correlation->lags));
     needs.add(table, "origins", fmt::format("{:.0f} time origins at a time", origins),
-              8.0 * scene.dimension * particles * origins);
+              8.0 * (scene.dimension * particles + double(correlation->lags)) * origins);
 }
 
 }  // namespace
@@ -140,8 +140,8 @@ void check_size(Scene const& scene, TomlReader& root) {
                         scene.sample.mean_square_displacement);
         add_correlation(needs, scene, *sample, "velocity_autocorrelation",
                         scene.sample.velocity_autocorrelation);
-        double const samples = double(scene.production_steps) / double(scene.sample.interval) *
-                               double(scene.sample.observables.size());
+        double const samples = double(scene.steps() - scene.equilibration_steps) /
+                               double(scene.sample.interval) * double(scene.sample.observables.size());
         needs.add(*sample, "interval", fmt::format("{:.3g} samples", samples), 8.0 * samples);
     }
 }

@@ -128,6 +128,14 @@ expect 2 syntax.toml:11 -- run syntax.toml
 sed 's/friction = 3.0/fiction = 3.0/' scene.toml >unknown.toml
 expect 2 unknown.toml:8 shardlow.friction "is missing" -- run unknown.toml
 expect 2 "trajectory: " allowed --out -- run scene.toml --set trajectory.interval=5
+expect 2 time.until.colour allowed kinetic_temperature -- run scene.toml --until colour=1%
+expect 2 "--until" QUANTITY=ERROR -- run scene.toml --until kinetic_temperature=100%
+
+# --- run until errors are small -------------------------------------------------------------------------
+expect 0 -- run scene.toml --until kinetic_temperature=2%,green_kubo_diffusion_constant=0.3 --until momentum=30% --json
+[ ! -s err ] && [ "$(grep -c '"reached": true' out)" -eq 3 ] || fail "run --until: $(cat out err)"
+expect 0 -- run scene.toml --until kinetic_temperature=0.01% --set time.longest=20
+grep -q 'kinetic_temperature.*0.01 % wanted.*time.longest' err || fail "run --until: an error not reached is not said: $(cat err)"
 
 expect 2 "stability.toml" -- stability --verification "$work" --cache c
 expect 2 "work-precision nonsense" allowed integrators -- work-precision nonsense

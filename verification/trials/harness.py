@@ -28,6 +28,7 @@ step = 0.02
 equilibration = 0.2
 duration = {duration}
 checkpoint = 0.000001
+{until}
 [sample]
 interval = 2
 observables = ["kinetic_temperature", "momentum", "pressure", "friction_stress"]
@@ -44,11 +45,11 @@ interval = 2
 class Program:
     """dpdref in a directory of its own; `failures` are lines that say what went wrong."""
 
-    def __init__(self, path, duration=0.8):
+    def __init__(self, path, duration=0.8, until=""):
         self.path = pathlib.Path(path).resolve()
         self.temporary = tempfile.TemporaryDirectory()
         self.directory = pathlib.Path(self.temporary.name)
-        (self.directory / "scene.toml").write_text(SCENE.format(duration=duration))
+        (self.directory / "scene.toml").write_text(SCENE.format(duration=duration, until=until))
         self.failures = []
         start = time.monotonic()
         done = self.run("reference.h5")

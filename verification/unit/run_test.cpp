@@ -457,6 +457,165 @@ BOOST_AUTO_TEST_CASE(checkpoints_change_nothing) {
     BOOST_TEST(same(checkpointed.counters, whole.counters));
 }
 
+// --- until the errors are small enough -------------------------------------------------------------------
+
+namespace {
+
+Scene with(Scene const& scene, std::vector<std::string> const& settings) {
+    return parse_scene(scene.text, "run_test", settings, scene.seed);
+}
+
+/// The small scene in another length.
+Scene lasting(Scene const& scene, double duration) {
+    return with(scene, {"time.duration=" + std::to_string(duration)});
+}
+
+/// What is wrong with a scene, in one line.
+std::string refusal_of(std::vector<std::string> const& settings) {
+    try {
+        run(with(scene_of({2, "shardlow", 0.0}), settings));
+    } catch (InputError const& error) {
+        return error.what();
+    }
+    BOOST_ERROR("the scene was expected to be refused");
+    return "";
+}
+
+/// 40 steps, 35 and 39: the blocks begin with 5, 35 and 39 steps.
+constexpr double least_durations[] = {2.0, 1.75, 1.95};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_run_until_errors_are_small_has_the_bits_of_a_fixed_run_of_that_length) {
+    int between = 0;  // runs that ended neither at the first look nor at the last
+    for (int const d : {2, 3})
+        for (double const shear_rate : {0.0, 0.5})
+            for (double const least : least_durations) {
+                Scene const fixed = lasting(scene_of({d, "shardlow", shear_rate}), least);
+                std::string const quantity =
+                    shear_rate == 0.0 ? "green_kubo_diffusion_constant" : "viscosity";
+                Scene const until =
+                    with(fixed, {"time.until.kinetic_temperature=0.015", "time.until." + quantity + "=0.2"});
+                RunResult const result = run(until);
+                BOOST_TEST_CONTEXT(d << "D, shear " << shear_rate << ", " << least << ": ended at "
+                                     << result.duration) {
+                    BOOST_TEST(result.duration < 64.1 * least);
+                    for (double duration = least; duration < 1.01 * result.duration; duration *= 2.0) {
+                        RunResult const same_length = run(lasting(fixed, duration));
+                        auto const errors = errors_wanted(until, same_length.record);
+                        bool const small = errors[0].reached() && errors[1].reached();
+                        if (duration < 0.99 * result.duration) {
+                            BOOST_TEST(!small);
+                        } else {
+                            BOOST_TEST((small || duration > 63.0 * least));
+                            BOOST_TEST(same(result.record, same_length.record));
+                            BOOST_TEST(same(result.counters, same_length.counters));
+                        }
+                    }
+                }
+                between += result.duration > 1.5 * least && result.duration < 63.0 * least;
+            }
+    BOOST_TEST(between > 6);
+}
+
+BOOST_AUTO_TEST_CASE(blocks_that_double_end_as_eighths_of_the_run) {
+    for (double const duration : {2.0, 1.75, 1.95, 0.85}) {
+        Scene const scene = lasting(scene_of({2, "shardlow", 0.0}), duration);
+        Record const record = run(scene).record;
+        auto const& weight = record.curves.at("density_profile").weight;
+        Eigen::ArrayXd samples = Eigen::ArrayXd::Zero(curve_blocks);
+        for (std::uint64_t step = 0; step < scene.production_steps; ++step)
+            samples[Eigen::Index(step * 8 / scene.production_steps)] += 1.0;
+        for (Eigen::Index block = 0; block < curve_blocks; ++block)
+            BOOST_TEST(weight(0, block) == samples[block], duration << ", block " << block);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_run_until_errors_are_small_resumes_exactly) {
+    for (int const d : {2, 3}) {
+        Scene const scene = with(scene_of({d, "shardlow", 0.5}), {"time.until.kinetic_temperature=0.02"});
+        RunResult const whole = run(scene);
+        BOOST_TEST(whole.duration > 3.0);  // the first look was not the last
+        auto const output = file("until.h5");
+        RunResult pieces;
+        std::uint64_t interruptions = 0;
+        while (!run_on(scene, output, true, &pieces)) ++interruptions;
+        BOOST_TEST(interruptions >= whole.counters.steps - 1);
+        BOOST_TEST(same(pieces.record, whole.record));
+        BOOST_TEST(same(pieces.counters, whole.counters));
+        RunResult const again = run(scene, {.output = output, .stop = {}, .progress = {}});
+        BOOST_TEST(again.from_cache);
+        BOOST_TEST(again.duration == whole.duration);
+        BOOST_TEST(again.errors.at(0).reached());
+        BOOST_TEST(same(again.record, whole.record));
+        Archive archive(output, Archive::Mode::read);
+        double duration = 0.0, wanted = 0.0, reached = 0.0;
+        archive("dpdref/until/duration", duration);
+        archive("dpdref/until/kinetic_temperature/wanted", wanted);
+        archive("dpdref/until/kinetic_temperature/reached", reached);
+        BOOST_TEST(duration == whole.duration);
+        BOOST_TEST(wanted == 0.02);
+        BOOST_TEST(reached == whole.errors.at(0).error());
+        std::filesystem::remove(output);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_run_whose_errors_stay_large_ends_at_its_greatest_duration) {
+    Scene const fixed = scene_of({2, "shardlow", 0.0});
+    // at 8 times the least duration, the last look that is not later than 19
+    Scene const until = with(fixed, {"time.until.kinetic_temperature=1e-6", "time.longest=19.0"});
+    BOOST_TEST(until.steps() == 5u + 320u);
+    RunResult const result = run(until);
+    BOOST_TEST(result.duration == 16.0);
+    BOOST_TEST(!result.errors.at(0).reached());
+    BOOST_TEST(same(result.record, run(lasting(fixed, 16.0)).record));
+    BOOST_TEST(with(fixed, {"time.until.kinetic_temperature=0.1", "time.longest=8.0"}).steps() == 5u + 160u);
+}
+
+BOOST_AUTO_TEST_CASE(the_rule_is_part_of_the_key) {
+    Scene const fixed = scene_of({2, "shardlow", 0.0});
+    Scene const one = with(fixed, {"time.until.kinetic_temperature=0.1"});
+    BOOST_TEST(one.key() != fixed.key());
+    BOOST_TEST(one.key() != with(fixed, {"time.until.kinetic_temperature=0.2"}).key());
+    BOOST_TEST(one.key() != with(one, {"time.longest=8.0"}).key());
+}
+
+BOOST_AUTO_TEST_CASE(errors_from_few_blocks_are_not_believed_and_times_follow_the_inverse_root) {
+    ErrorWanted few{"kinetic_temperature", 0.01, {.value = -2.0, .error = 0.001, .blocks = 7}};
+    BOOST_TEST(!few.reached());
+    few.estimate.blocks = 8;
+    BOOST_TEST(few.reached());
+    BOOST_TEST(few.error() == 0.0005);
+    BOOST_TEST((!ErrorWanted{"x", 0.01, {.value = 0.0, .error = 0.0, .blocks = 8}}.reached()));
+    // 40 steps after 5; an error of 3 % where 1 % is wanted takes 360 steps, which are seen at 640
+    Scene const scene = with(scene_of({2, "shardlow", 0.0}), {"time.until.kinetic_temperature=0.01"});
+    ErrorWanted const large{"kinetic_temperature", 0.01, {.value = 2.0, .error = 0.06, .blocks = 9}};
+    BOOST_TEST(expected_steps(scene, 45, {large}) == 645u);
+    BOOST_TEST(expected_steps(scene, 45, {}) == 45u);
+    BOOST_TEST(expected_steps(scene, 46, {}) == 85u);
+    BOOST_TEST(expected_steps(scene, 3, {}) == 45u);
+}
+
+BOOST_AUTO_TEST_CASE(what_a_run_cannot_reach_is_refused) {
+    for (auto const& [settings, parts] :
+         std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>>{
+             {{"time.until.colour=0.1"},
+              {"time.until.colour", "allowed: ", "kinetic_temperature", "diffusion"}},
+             {{"time.until.viscosity=0.1"}, {"time.until.viscosity", "measures", "allowed: "}},  // no shear
+             {{"time.until.kinetic_temperature=0"}, {"time.until.kinetic_temperature", "between 0 and 1"}},
+             {{"time.until.kinetic_temperature=1.0"}, {"time.until.kinetic_temperature", "between 0 and 1"}},
+             {{"time.until.kinetic_temperature='x'"}, {"time.until.kinetic_temperature", "between 0 and 1"}},
+             {{"time.until={}"}, {"time.until", "names no quantity"}},
+             {{"time.until=0.1"}, {"time.until", "table"}},
+             {{"time.until.kinetic_temperature=0.1", "time.longest=1.9"},
+              {"time.longest", "time.duration, 2"}},
+             {{"time.longest=10.0"}, {"time.longest", "time.until"}}}) {
+        std::string const message = refusal_of(settings);
+        for (auto const& part : parts) BOOST_TEST(message.find(part) != std::string::npos, message);
+        BOOST_TEST(message.find('\n') == std::string::npos, message);
+    }
+}
+
 // --- seeds -----------------------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_CASE(same_seed_same_bits_another_seed_other_bits) {
