@@ -16,7 +16,7 @@ namespace dpd {
 namespace {
 
 // Rough cost of a run, in pair and particle visits: good enough to start the longest first and to tell the
-// time that is left.
+// time that is left. With `until` the greatest that it can be.
 double cost_of(Scene const& scene) {
     double const ball = scene.dimension == 2 ? std::numbers::pi : 4.0 * std::numbers::pi / 3.0;
     double const pairs = 0.5 * scene.density() * ball * std::pow(scene.cutoff(), scene.dimension);
@@ -87,8 +87,8 @@ void join(std::string const& name, std::vector<FigureCurve> const& curves, std::
 
 // Run time up to a fraction of the production: a step costs the same throughout.
 double seconds_until(Scene const& scene, RunResult const& result, double fraction) {
-    double const steps = double(scene.equilibration_steps) + fraction * double(scene.production_steps);
-    return result.seconds * (steps / double(scene.steps()));
+    double const before = double(scene.equilibration_steps), measured = result.duration / scene.time_step;
+    return result.seconds * ((before + fraction * measured) / (before + measured));
 }
 
 // Run time behind the points of curve c, of joined points too; each run counts once.

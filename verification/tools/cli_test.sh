@@ -319,6 +319,15 @@ theory = "value"
 value = 1.0
 tolerance = 0.2
 TOML
+    # a budget may be an error instead of a duration; 1 % of 75 particles needs more than the least duration
+    mkdir definitions/tiny-until
+    cp definitions/tiny/plot.gp definitions/tiny-until
+    sed 's/^seeds = 2/seeds = 1\nset = { "time.duration" = 20.0, "time.until.kinetic_temperature" = 0.01 }/' \
+        definitions/tiny/figure.toml >definitions/tiny-until/figure.toml
+    expect 0 -- figure tiny-until --verification definitions --cache until --out tiny-until
+    awk '$1 == 0.1 { n++; large += $3 > 0.0101 * $2 } END { exit !n || large }' tiny-until/data/tiny-until.dat ||
+        fail "figure: its error is not what the budget wants: $(cat tiny-until/data/tiny-until.dat)"
+
     mkdir definitions/tiny-too # another figure of the same runs
     cp definitions/tiny/* definitions/tiny-too
     tiny=(figure tiny --verification definitions --cache cache --out tiny --jobs 2)

@@ -60,7 +60,7 @@ def measured(program, runs, quantity, wanted, settings):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
-    parser.add_argument("--runs", type=int, default=400)
+    parser.add_argument("--runs", type=int, default=200)
     options = parser.parse_args()
     print(json.dumps({"runs": options.runs, "cases": [measured(options.program, options.runs, *case) for case in CASES]}))
 
