@@ -22,8 +22,8 @@ import subprocess
 SCENE = pathlib.Path(__file__).parent / "fluid.toml"
 FIXED = 16  # duration of the fixed runs over the least one
 # quantity, relative error wanted, settings of the scene
-CASES = (("viscosity", 0.05, ()),
-         ("green_kubo_diffusion_constant", 0.05, ("box.shear_rate=0",)),
+CASES = (("viscosity", 0.03, ()),
+         ("green_kubo_diffusion_constant", 0.03, ("box.shear_rate=0",)),
          ("kinetic_temperature", 0.005, ("box.shear_rate=0",)))
 
 
@@ -60,7 +60,7 @@ def measured(program, runs, quantity, wanted, settings):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
-    parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--runs", type=int, default=300)
     options = parser.parse_args()
     print(json.dumps({"runs": options.runs, "cases": [measured(options.program, options.runs, *case) for case in CASES]}))
 
