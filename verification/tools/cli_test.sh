@@ -132,7 +132,7 @@ expect 2 time.until.colour allowed kinetic_temperature -- run scene.toml --until
 expect 2 "--until" QUANTITY=ERROR -- run scene.toml --until kinetic_temperature=100%
 
 # --- run until errors are small -------------------------------------------------------------------------
-expect 0 -- run scene.toml --until kinetic_temperature=2%,green_kubo_diffusion_constant=0.3 --until momentum=30% --json
+expect 0 -- run scene.toml --until kinetic_temperature=2%,green_kubo_diffusion_constant=0.3 --until correlation_moment=50% --json
 [ ! -s err ] && [ "$(grep -c '"reached": true' out)" -eq 3 ] || fail "run --until: $(cat out err)"
 expect 0 -- run scene.toml --until kinetic_temperature=0.01% --set time.longest=20
 grep -q 'kinetic_temperature.*0.01 % wanted.*time.longest' err || fail "run --until: an error not reached is not said: $(cat err)"
