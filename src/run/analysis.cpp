@@ -82,11 +82,8 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
             static_cast<void>(curve);
             return found / uniform;
         }));
+    add("diffusion_constant", diffusion_constant(scene, records));
     int const components = diffusing_components(scene);
-    add("diffusion_constant",
-        by_block(curves_of(records, "mean_square_displacement"), [&](auto const& curve, auto const& mean) {
-            return diffusion_from(curve, mean, components);
-        }));
     add("green_kubo_diffusion_constant",
         by_block(curves_of(records, "velocity_autocorrelation"), [&](auto const& curve, auto const& mean) {
             // the trapezium rule is exact for free streaming in steps of the spacing

@@ -1,5 +1,6 @@
 #include "transport.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 
@@ -8,15 +9,54 @@
 
 namespace dpd {
 
-// Slope of the mean-square displacement over the second half of its lags, over twice the number of
-// components.
-double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int components) {
-    auto const last = static_cast<Eigen::Index>(curve.x.size()) - 1;
-    Eigen::Index const first = last / 2;
-    return (mean[last] - mean[first]) /
-           (2.0 * components *
-            (curve.x[static_cast<std::size_t>(last)] - curve.x[static_cast<std::size_t>(first)]));
+namespace {
+
+// Neighbouring blocks joined until each has so many origins (times particles); what is left over goes to the
+// last one.
+Curve joined(Curve const& curve, double origins) {
+    Curve result = curve;
+    result.sum.setZero();
+    result.weight.setZero();
+    Eigen::Index const longest = curve.weight.rows() - 1;
+    Eigen::Index to = 0;
+    double left = sum_of(curve.weight.row(longest));
+    for (Eigen::Index block = 0; block < curve.sum.cols(); ++block) {
+        result.sum.col(to) += curve.sum.col(block);
+        result.weight.col(to) += curve.weight.col(block);
+        left -= curve.weight(longest, block);
+        if (result.weight(longest, to) >= origins && left >= origins) ++to;
+    }
+    return result;
 }
+
+}  // namespace
+
+// Displacements that start up to half a longest lag L apart share increments, which for a random walk makes
+// the variance between blocks of duration B smaller by 5/32 L/B (docs/measuring.md). [diffusion]
+Estimate diffusion_constant(Scene const& scene, std::vector<Record> const& records) {
+    auto const curves = curves_of(records, "mean_square_displacement");
+    if (curves.empty()) return {};
+    CorrelationParameters const& lags = scene.sample.mean_square_displacement.value();
+    double const in_longest_lag =
+        double(scene.particles) * double(lags.spacing * lags.lags / lags.origin_spacing);
+    std::vector<Curve> blocks;
+    double origins = 0.0;
+    for (auto const* curve : curves) {
+        blocks.push_back(joined(*curve, in_longest_lag));
+        origins += sum_of(curve->weight.bottomRows<1>());
+    }
+    std::vector<Curve const*> pointers;
+    for (auto const& curve : blocks) pointers.push_back(&curve);
+    Estimate result = by_block(pointers, [&](Curve const& curve, Eigen::ArrayXd const& mean) {
+        auto const last = mean.size() - 1, first = last / 2;
+        return (mean[last] - mean[first]) / (2.0 * diffusing_components(scene) *
+                                             (curve.x[std::size_t(last)] - curve.x[std::size_t(first)]));
+    });
+    double const shared = 5.0 / 32.0 * in_longest_lag * double(result.blocks) / origins;
+    result.error /= std::sqrt(1.0 - shared);
+    return result;
+}
+// [diffusion]
 
 // Least-squares slope of the velocity profile over the imposed shear rate.
 double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double shear_rate) {

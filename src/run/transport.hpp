@@ -10,9 +10,10 @@
 
 namespace dpd {
 
-/// Slope of the mean-square displacement over the second half of its lags, over twice the number of
-/// components.
-double diffusion_from(Curve const& curve, Eigen::ArrayXd const& mean, int components);
+/// Half the slope of the mean-square displacement over the second half of its lags, per component. Blocks are
+/// joined until each has as many origins as fit into the longest lag, and the error allows for what the
+/// displacements of neighbours still share. It is NaN where the runs are too short for two such blocks.
+Estimate diffusion_constant(Scene const& scene, std::vector<Record> const& records);
 
 /// Least-squares slope of the velocity profile over the imposed shear rate.
 double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double shear_rate);

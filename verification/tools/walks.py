@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""How much too small the error of a diffusion constant is where displacements are longer than a block (docs/measuring.md).
+"""What the error of a diffusion constant from displacements is worth (docs/measuring.md).
 
-Random walks of normal steps, eight blocks of B steps each and 1500 of them: the scatter of D over the error that the blocks
-give, for several longest lags L. D is the slope of the mean-square displacement from L/2 to L. Prints JSON. Python's standard
-library only.
+Random walks of normal steps, RUNS of them, each P steps long with displacements over up to LAG steps: the scatter of D over the
+error that is stated, for several P/LAG; D is the slope of the mean-square displacement from LAG/2 to LAG, a displacement belongs to
+the block of its origin. Once with the eighths of the run as blocks, once as src/run/transport.cpp does it: blocks joined until
+each has as many origins as fit into LAG, and divided by the root of 1 - 5/32 LAG/block. Prints JSON. Python's standard library only.
 """
 
 import itertools
@@ -12,28 +13,55 @@ import math
 import random
 import statistics
 
-WALKS, BLOCKS, LAG = 1500, 8, 40
-RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0, 4.6)  # L/B; 4.6 is that of figures ng1a-inset, ng4, ng-schmidt
+RUNS, BLOCKS, LAG = 4000, 8, 40
+LENGTHS = (4, 6, 8, 16, 32)  # P/LAG
 
 
-def slopes(block, source):
-    """D of each block of one walk: a displacement belongs to the block of its origin"""
-    at = [0.0, *itertools.accumulate(source.gauss(0.0, 1.0) for _ in range(BLOCKS * block + LAG))]
-    of_origin = [((at[t + LAG] - at[t]) ** 2 - (at[t + LAG // 2] - at[t]) ** 2) / LAG for t in range(BLOCKS * block)]
-    return [statistics.fmean(of_origin[b * block:(b + 1) * block]) for b in range(BLOCKS)]
+def squares(steps, source):
+    """the slope's part of each origin: D is their mean"""
+    at = [0.0, *itertools.accumulate(source.gauss(0.0, 1.0) for _ in range(steps))]
+    return [((at[t + LAG] - at[t]) ** 2 - (at[t + LAG // 2] - at[t]) ** 2) / LAG for t in range(steps - LAG)]
 
 
-def scatter_over_error(block, source):
-    """of the mean of the blocks, over many walks"""
-    walks = [slopes(block, source) for _ in range(WALKS)]
-    error = math.sqrt(statistics.fmean(statistics.variance(walk) / BLOCKS for walk in walks))
-    return statistics.stdev(statistics.fmean(walk) for walk in walks) / error
+def eighths(values, steps):
+    """blocks of a run; the last displacements leave the last of them without origins"""
+    return [block for b in range(BLOCKS) if (block := values[b * steps // BLOCKS:(b + 1) * steps // BLOCKS])]
+
+
+def joined(blocks):
+    """neighbours joined until each has LAG origins; what is left over goes to the last"""
+    result, left = [[]], sum(map(len, blocks))
+    for block in blocks:
+        result[-1] += block
+        left -= len(block)
+        if len(result[-1]) >= LAG and left >= LAG:
+            result.append([])
+    return result
+
+
+def estimate(blocks):
+    """mean, and the square of its error"""
+    means = [statistics.fmean(block) for block in blocks]
+    return statistics.fmean(means), statistics.variance(means) / len(means)
+
+
+def scatter_over_error(estimates, factor=1.0):
+    """over many runs; the root mean square of the errors counts"""
+    values, errors = zip(*estimates)
+    return statistics.stdev(values) / math.sqrt(factor * statistics.fmean(errors))
 
 
 def main():
     source = random.Random(1)
-    found = [scatter_over_error(round(LAG / ratio), source) for ratio in RATIOS]
-    print(json.dumps({"longest_lag_over_block": RATIOS, "scatter_over_error": found, "relative_error": 1.0 / math.sqrt(2.0 * WALKS)}))
+    plain, stated, blocks = [], [], []
+    for length in LENGTHS:
+        runs = [eighths(squares(length * LAG, source), length * LAG) for _ in range(RUNS)]
+        blocks.append(len(joined(runs[0])))
+        shared = 5.0 / 32.0 * LAG * blocks[-1] / sum(map(len, runs[0]))
+        plain.append(scatter_over_error([estimate(run) for run in runs]))
+        stated.append(scatter_over_error([estimate(joined(run)) for run in runs], 1.0 / (1.0 - shared)))
+    print(json.dumps({"runs": RUNS, "length_over_longest_lag": LENGTHS, "blocks": blocks, "scatter_over_error_of_eighths": plain,
+                      "scatter_over_error": stated, "relative_error": math.sqrt(0.5 / RUNS)}))
 
 
 if __name__ == "__main__":

@@ -594,11 +594,11 @@ void check_components(Scene const& scene, int components) {
     Curve& straight = made.curves["mean_square_displacement"];
     straight.resize(11);
     for (std::size_t lag = 0; lag <= 10; ++lag) straight.x[lag] = 0.1 * double(lag);
-    straight.weight.setOnes();
+    straight.weight.setConstant(1e6);
     for (Eigen::Index lag = 0; lag <= 10; ++lag)
-        straight.sum.row(lag) = 2.0 * components * 0.7 * 0.1 * double(lag);
+        straight.sum.row(lag) = 1e6 * 2.0 * components * 0.7 * 0.1 * double(lag);
     made.curves["velocity_autocorrelation"] = straight;
-    made.curves["velocity_autocorrelation"].sum.setConstant(components * 0.5);
+    made.curves["velocity_autocorrelation"].sum.setConstant(1e6 * components * 0.5);
     auto const quantities = analyze(scene, {made});
     check_estimate(quantities, "diffusion_constant", 0.7, 0.0);
     check_estimate(quantities, "green_kubo_diffusion_constant", 0.5, 0.0);

@@ -13,13 +13,17 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "scene.hpp"
+#include "transport.hpp"
 
 using namespace dpd;
 
 namespace {
 
-using Series = std::vector<double>;
+using Values = std::vector<double>;
 
 constexpr double sigmas = 4.0;
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
@@ -30,8 +34,8 @@ class AutoRegressive {
 public:
     AutoRegressive(double phi, unsigned seed) : phi_(phi), generator_(seed) {}
 
-    Series operator()(std::size_t n) {
-        Series series(n);
+    Values operator()(std::size_t n) {
+        Values series(n);
         double x = normal_(generator_);
         for (double& value : series) {
             value = x;
@@ -111,7 +115,7 @@ BOOST_AUTO_TEST_CASE(blocking_of_correlated_series_gives_the_known_error) {
             double const truth = correlated.error(n);
             double naive = 0.0;
             auto const ratio = average(200, [&] {
-                Series const series = correlated(n);
+                Values const series = correlated(n);
                 naive += std::pow(independent(series).error / truth, 2) / 200.0;
                 return std::pow(blocking(series).error / truth, 2);
             });
@@ -132,7 +136,7 @@ BOOST_AUTO_TEST_CASE(blocking_reports_value_blocks_and_inefficiency) {
     AutoRegressive correlated(0.9, 20);
     std::size_t const n = 16384;
     auto const inefficiency = average(200, [&] {
-        Series const series = correlated(n);
+        Values const series = correlated(n);
         Estimate const estimate = blocking(series);
         double sum = 0.0;
         for (double const x : series) sum += x;
@@ -162,21 +166,21 @@ BOOST_AUTO_TEST_CASE(confidence_intervals_of_blocking_cover_the_truth) {
 }
 
 BOOST_AUTO_TEST_CASE(blocking_of_degenerate_series) {
-    BOOST_TEST(blocking(Series{}).blocks == 0u);
-    BOOST_TEST(std::isnan(blocking(Series{}).value));
-    Estimate const one = blocking(Series{3.0});
+    BOOST_TEST(blocking(Values{}).blocks == 0u);
+    BOOST_TEST(std::isnan(blocking(Values{}).value));
+    Estimate const one = blocking(Values{3.0});
     BOOST_TEST(one.value == 3.0);
     BOOST_TEST(one.blocks == 1u);
     BOOST_TEST(std::isnan(one.error));
-    Estimate const two = blocking(Series{1.0, 3.0});
+    Estimate const two = blocking(Values{1.0, 3.0});
     BOOST_TEST(two.value == 2.0);
     BOOST_TEST(two.error == 1.0);
     BOOST_TEST(two.blocks == 2u);
-    Estimate const constant = blocking(Series(1000, 7.0));
+    Estimate const constant = blocking(Values(1000, 7.0));
     BOOST_TEST(constant.value == 7.0);
     BOOST_TEST(constant.error == 0.0);
     // NaN must not hide
-    Series broken(1000, 1.0);
+    Values broken(1000, 1.0);
     broken[500] = not_a_number;
     BOOST_TEST(std::isnan(blocking(broken).value));
 }
@@ -185,16 +189,16 @@ BOOST_AUTO_TEST_CASE(blocking_of_degenerate_series) {
 
 BOOST_AUTO_TEST_CASE(combine_of_one_run_is_blocking) {
     AutoRegressive correlated(0.9, 40);
-    std::vector<Series> const runs{correlated(5000)};
+    std::vector<Values> const runs{correlated(5000)};
     Estimate const a = combine(runs), b = blocking(runs[0]);
     BOOST_TEST(a.value == b.value);
     BOOST_TEST(a.error == b.error);
     BOOST_TEST(a.blocks == b.blocks);
     BOOST_TEST(a.inefficiency == b.inefficiency);
-    std::vector<Series> const with_empty{{}, runs[0], {}};
+    std::vector<Values> const with_empty{{}, runs[0], {}};
     BOOST_TEST(combine(with_empty).value == b.value);
     BOOST_TEST(combine(with_empty).error == b.error);
-    BOOST_TEST(combine(std::vector<Series>{}).blocks == 0u);
+    BOOST_TEST(combine(std::vector<Values>{}).blocks == 0u);
 }
 
 BOOST_AUTO_TEST_CASE(combine_of_runs_of_different_length) {
@@ -202,7 +206,7 @@ BOOST_AUTO_TEST_CASE(combine_of_runs_of_different_length) {
     std::vector<Estimate> estimates;
     double square = 0.0;
     auto const variance = average(400, [&] {
-        std::vector<Series> const runs{correlated(8192), correlated(4000), correlated(1000), correlated(700)};
+        std::vector<Values> const runs{correlated(8192), correlated(4000), correlated(1000), correlated(700)};
         estimates.push_back(combine(runs));
         square += std::pow(estimates.back().value, 2) / 400.0;
         return std::pow(estimates.back().error, 2);
@@ -214,14 +218,14 @@ BOOST_AUTO_TEST_CASE(combine_of_runs_of_different_length) {
 
 BOOST_AUTO_TEST_CASE(combine_counts_all_blocks_of_all_runs) {
     AutoRegressive correlated(0.9, 42);
-    std::vector<Series> runs{correlated(16384)};
+    std::vector<Values> runs{correlated(16384)};
     Estimate const alone = combine(runs);
     runs.push_back(correlated(16384));
     Estimate const both = combine(runs);
     // the longer of the two block lengths; both are powers of two
     BOOST_TEST((both.blocks == 2 * alone.blocks || both.blocks == alone.blocks));
     // runs shorter than a block count as one each
-    for (int r = 0; r < 5; ++r) runs.push_back(Series(3, 0.0));
+    for (int r = 0; r < 5; ++r) runs.push_back(Values(3, 0.0));
     BOOST_TEST(combine(runs).blocks == both.blocks + 5);
 }
 
@@ -229,9 +233,9 @@ BOOST_AUTO_TEST_CASE(combine_counts_all_blocks_of_all_runs) {
 BOOST_AUTO_TEST_CASE(combine_sees_the_scatter_between_runs) {
     AutoRegressive white(0.0, 43);
     auto const ratio = average(400, [&] {
-        std::vector<Series> runs;
+        std::vector<Values> runs;
         for (int run = 0; run < 8; ++run) {
-            Series series = white(256);
+            Values series = white(256);
             double const shift = white.normal();
             for (double& x : series) x += shift;
             runs.push_back(series);
@@ -244,11 +248,88 @@ BOOST_AUTO_TEST_CASE(combine_sees_the_scatter_between_runs) {
 }
 
 BOOST_AUTO_TEST_CASE(independent_values) {
-    BOOST_TEST(independent(Series{1.0, 2.0, 3.0, 6.0}).value == 3.0);
+    BOOST_TEST(independent(Values{1.0, 2.0, 3.0, 6.0}).value == 3.0);
     // sum of squares 14, over n(n-1) = 12
-    BOOST_TEST(std::abs(independent(Series{1.0, 2.0, 3.0, 6.0}).error - std::sqrt(14.0 / 12.0)) < 1e-15);
-    BOOST_TEST(std::isnan(independent(Series{1.0}).error));
-    BOOST_TEST(std::isnan(independent(Series{}).value));
+    BOOST_TEST(std::abs(independent(Values{1.0, 2.0, 3.0, 6.0}).error - std::sqrt(14.0 / 12.0)) < 1e-15);
+    BOOST_TEST(std::isnan(independent(Values{1.0}).error));
+    BOOST_TEST(std::isnan(independent(Values{}).value));
+}
+
+// --- displacements ---------------------------------------------------------------------------------------
+
+namespace {
+
+/// What a recorder keeps of particles that go one random walk together, with unit steps, one a time step, in
+/// three dimensions.
+Record walked(Scene const& scene, std::mt19937_64& generator) {
+    std::normal_distribution<double> normal;
+    auto const steps = static_cast<Eigen::Index>(scene.production_steps),
+               longest = static_cast<Eigen::Index>(scene.sample.mean_square_displacement->lags);
+    Eigen::ArrayX3d at = Eigen::ArrayX3d::Zero(steps, 3);
+    for (Eigen::Index step = 1; step < steps; ++step)
+        for (int axis = 0; axis < 3; ++axis) at(step, axis) = at(step - 1, axis) + normal(generator);
+    Record record;
+    Curve& curve = record.curves["mean_square_displacement"];
+    curve.resize(static_cast<std::size_t>(longest) + 1);
+    for (Eigen::Index lag = 0; lag <= longest; ++lag) curve.x[std::size_t(lag)] = double(lag);
+    for (Eigen::Index origin = 0; origin + longest < steps; ++origin) {
+        Eigen::Index const block = origin * curve_blocks / steps;
+        for (Eigen::Index lag = 0; lag <= longest; ++lag) {
+            curve.sum(lag, block) +=
+                double(scene.particles) * (at.row(origin + lag) - at.row(origin)).square().sum();
+            curve.weight(lag, block) += double(scene.particles);
+        }
+    }
+    return record;
+}
+
+Scene walk_of(int steps) {
+    return parse_scene(
+        "dimension = 3\nstages = ['sample', 'drift']\n[box]\nlength = [1, 1, 1]\n[particles]\ndensity = 2\n"
+        "[time]\nstep = 1\n[sample.mean_square_displacement]\nspacing = 1\nlongest = 16\norigins = 1\n",
+        "statistics_test", {"time.duration=" + std::to_string(steps)});
+}
+
+}  // namespace
+
+// Runs of 4, 6 and 8 longest lags. With the eighths of a run as blocks the variance is 1.54, 1.25 and 1.19
+// times the stated one.
+BOOST_AUTO_TEST_CASE(error_of_diffusion_from_displacements_is_the_scatter) {
+    std::mt19937_64 generator(11);
+    for (auto const& [steps, blocks] : {std::pair(64, 3u), {96, 3u}, {128, 7u}}) {
+        Scene const scene = walk_of(steps);
+        std::vector<double> values;
+        std::size_t counted = 0;
+        auto const stated = average(4000, [&] {
+            Estimate const D = diffusion_constant(scene, {walked(scene, generator)});
+            counted = D.blocks;
+            values.push_back(D.value);
+            return D.error * D.error;
+        });
+        BOOST_TEST(counted == blocks);
+        std::size_t k = 0;
+        auto const value = average(values.size(), [&] { return values[k++]; });
+        check_average(value, 0.5, 0.0, "D");
+        k = 0;
+        auto const variance = average(values.size(), [&] { return std::pow(values[k++] - value.value, 2); });
+        check_average(
+            {stated.value / variance.value,
+             std::hypot(stated.error, variance.error * stated.value / variance.value) / variance.value},
+            1.0, 0.0, "stated over true variance");
+    }
+}
+
+BOOST_AUTO_TEST_CASE(runs_too_short_for_two_blocks_of_displacements_state_no_error) {
+    std::mt19937_64 generator(12);
+    Scene const scene = walk_of(40);
+    auto const walk = walked(scene, generator);
+    Estimate const one = diffusion_constant(scene, {walk}),
+                   two = diffusion_constant(scene, {walk, walked(scene, generator)});
+    BOOST_TEST(one.blocks == 1u);
+    BOOST_TEST(std::isnan(one.error));
+    BOOST_TEST(two.blocks == 2u);
+    BOOST_TEST(two.error > 0.0);
+    BOOST_TEST(diffusion_constant(scene, {}).blocks == 0u);
 }
 
 // --- verdicts --------------------------------------------------------------------------------------------
@@ -335,7 +416,7 @@ BOOST_AUTO_TEST_CASE(measured_false_alarm_rate_of_judge) {
             AutoRegressive white(0.0, seed++);
             std::size_t alarms = 0, agreements = 0;
             for (std::size_t r = 0; r < repetitions; ++r) {
-                Series values = white(blocks);
+                Values values = white(blocks);
                 for (double& x : values) x += 10.0;
                 Verdict const verdict = judge(independent(values), 10.0, 0.0, 1.0, false_alarm);
                 alarms += verdict == Verdict::disagrees;
@@ -352,7 +433,7 @@ BOOST_AUTO_TEST_CASE(false_alarms_at_the_edge_of_a_tolerance) {
     AutoRegressive white(0.0, 60);
     std::size_t disagreements = 0, agreements = 0;
     for (std::size_t r = 0; r < repetitions; ++r) {
-        Series values = white(8);
+        Values values = white(8);
         for (double& x : values) x += 110.0;
         Verdict const verdict = judge(independent(values), 100.0, 0.1, 0.01, 0.05);
         disagreements += verdict == Verdict::disagrees;
