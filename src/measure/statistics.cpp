@@ -61,24 +61,16 @@ Estimate independent(std::span<double const> values) {
     return estimate;
 }
 
-Estimate combine(std::span<std::vector<double> const> runs) {
-    std::size_t length = 1;
-    std::vector<double> all;
-    for (auto const& run : runs) {
-        length = std::max(length, block_length(run));
-        all.insert(all.end(), run.begin(), run.end());
-    }
+Estimate pool(std::span<std::vector<double> const> runs) {
     std::vector<double> pooled, run_means;
     double within = 0.0;  // sum of squared deviations of the blocks from their run's mean
     for (auto const& run : runs) {
         if (run.empty()) continue;
-        auto const means = block_means(run, std::min(length, run.size()));
-        run_means.push_back(mean_of(means));
-        for (double const mean : means) within += std::pow(mean - run_means.back(), 2);
-        pooled.insert(pooled.end(), means.begin(), means.end());
+        run_means.push_back(mean_of(run));
+        for (double const block : run) within += std::pow(block - run_means.back(), 2);
+        pooled.insert(pooled.end(), run.begin(), run.end());
     }
     // [runs]
-    Estimate estimate = independent(pooled);
     if (run_means.size() >= 2 && pooled.size() > run_means.size()) {
         // Do whole runs differ by more than their blocks let expect? Then each run counts as one value.
         auto const r = double(run_means.size()), n = double(pooled.size());
@@ -87,10 +79,24 @@ Estimate combine(std::span<std::vector<double> const> runs) {
         boost::math::fisher_f const distribution(r - 1.0, n - r);
         if (by_runs > boost::math::quantile(boost::math::complement(distribution, run_scatter_significance)) *
                           by_blocks)
-            estimate = independent(run_means);
+            return independent(run_means);
     }
+    return independent(pooled);
     // [runs]
-    if (pooled.size() >= 2) {
+}
+
+Estimate combine(std::span<std::vector<double> const> runs) {
+    std::size_t length = 1;
+    std::vector<double> all;
+    for (auto const& run : runs) {
+        length = std::max(length, block_length(run));
+        all.insert(all.end(), run.begin(), run.end());
+    }
+    std::vector<std::vector<double>> blocks;
+    for (auto const& run : runs)
+        if (!run.empty()) blocks.push_back(block_means(run, std::min(length, run.size())));
+    Estimate estimate = pool(blocks);
+    if (estimate.blocks >= 2) {
         double const naive = variance_of_mean(all, mean_of(all));
         if (naive > 0.0) estimate.inefficiency = estimate.error * estimate.error / naive;
     }

@@ -22,10 +22,13 @@ struct Estimate {
 /// E 83, 066706 (2011)): there the truncation error and the noise of the error balance.
 Estimate blocking(std::span<double const> series);
 
-/// Mean over independent runs of one quantity. Block averages of all runs, at the longest block length that
-/// any run asks for, are pooled. If the runs' means scatter more than their blocks explain (F test at 0.1 %:
-/// a correlation longer than the runs), each run counts as one value instead. Runs shorter than two such
-/// blocks count as one block each.
+/// Mean over independent runs, each a list of blocks that are independent of each other. All blocks are
+/// pooled, unless the runs' means scatter more than their blocks explain (F test at 0.1 %: a correlation
+/// longer than the runs): then each run counts as one value.
+Estimate pool(std::span<std::vector<double> const> runs);
+
+/// Mean over independent runs of one quantity: `pool` of block averages at the longest block length that any
+/// run asks for. Runs shorter than two such blocks count as one block each.
 Estimate combine(std::span<std::vector<double> const> runs);
 
 /// Mean and error of numbers that are already independent.

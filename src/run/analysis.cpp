@@ -129,11 +129,12 @@ CurveEstimate curve_of(Scene const& scene, std::vector<Record> const& records, s
     result.x = curves.front()->x;
     double const components = name == "velocity_autocorrelation" ? diffusing_components(scene) : 1.0;
     for (std::size_t bin = 0; bin < result.x.size(); ++bin) {
-        std::vector<double> values;
-        for (Curve const* const curve : curves)
-            for (double const mean : curve->block_means(Eigen::Index(bin)))
-                values.push_back(mean / components);
-        result.y.push_back(independent(values));
+        std::vector<std::vector<double>> runs;
+        for (Curve const* const curve : curves) {
+            runs.push_back(curve->block_means(Eigen::Index(bin)));
+            for (double& mean : runs.back()) mean /= components;
+        }
+        result.y.push_back(pool(runs));
     }
     return result;
 }

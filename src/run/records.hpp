@@ -17,16 +17,18 @@ std::vector<std::vector<double>> series_of(std::vector<Record> const& records, s
 std::vector<Curve const*> curves_of(std::vector<Record> const& records, std::string const& name);
 
 /// Evaluates `f(curve, means)` for each block of each curve, where means[bin] is the block's mean in that
-/// bin.
+/// bin, and pools the runs.
 template <class F>
 Estimate by_block(std::vector<Curve const*> const& curves, F&& f) {
-    std::vector<double> values;
-    for (auto const* curve : curves)
+    std::vector<std::vector<double>> runs;
+    for (auto const* curve : curves) {
+        auto& values = runs.emplace_back();
         for (Eigen::Index block = 0; block < curve->sum.cols(); ++block) {
             if ((curve->weight.col(block) == 0.0).any()) continue;
             values.push_back(f(*curve, (curve->sum.col(block) / curve->weight.col(block)).eval()));
         }
-    return independent(values);
+    }
+    return pool(runs);
 }
 
 /// Ratio of the means of two series sampled together; the error is that of numerator - ratio*denominator.

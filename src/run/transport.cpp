@@ -52,8 +52,9 @@ Estimate diffusion_constant(Scene const& scene, std::vector<Record> const& recor
         return (mean[last] - mean[first]) / (2.0 * diffusing_components(scene) *
                                              (curve.x[std::size_t(last)] - curve.x[std::size_t(first)]));
     });
-    double const shared = 5.0 / 32.0 * in_longest_lag * double(result.blocks) / origins;
-    result.error /= std::sqrt(1.0 - shared);
+    // whole runs share nothing
+    if (result.blocks > curves.size())
+        result.error /= std::sqrt(1.0 - 5.0 / 32.0 * in_longest_lag * double(result.blocks) / origins);
     return result;
 }
 // [diffusion]
@@ -124,15 +125,16 @@ std::vector<double> total_stress(Record const& record) {
 Estimate green_kubo_viscosity(Scene const& scene, std::vector<Record> const& records) {
     std::size_t const window = scene.sample.green_kubo_window;
     double const per_time = scene.volume() / (scene.thermostat_kT() * double(window) * scene.time_step);
-    std::vector<double> values;
+    std::vector<std::vector<double>> runs;
     for (auto const& record : records) {
+        auto& values = runs.emplace_back();
         auto const stress = total_stress(record);
         auto const whole = mean_square_impulse(stress, scene.time_step, window),
                    half = mean_square_impulse(stress, scene.time_step, window / 2);
         for (std::size_t block = 0; block < whole.size(); ++block)
             values.push_back((whole[block] - half[block]) * per_time);
     }
-    return independent(values);
+    return pool(runs);
 }
 // [green kubo]
 

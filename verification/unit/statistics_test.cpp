@@ -247,6 +247,22 @@ BOOST_AUTO_TEST_CASE(combine_sees_the_scatter_between_runs) {
                   "estimated over true variance");
 }
 
+BOOST_AUTO_TEST_CASE(pool_counts_runs_that_differ_as_values) {
+    // runs that agree: all blocks; and runs that lie 1 apart with blocks that lie 0.02 apart: the means 0, 1,
+    // 2
+    Values const low{-0.01, 0.01, -0.01, 0.01};
+    Values middle = low, high = low;
+    for (double& value : middle) value += 1.0;
+    for (double& value : high) value += 2.0;
+    Estimate const same = pool(std::vector{low, low, low}),
+                   apart = pool(std::vector{low, middle, high, Values{}});
+    BOOST_TEST(same.blocks == 12u);
+    BOOST_TEST(std::abs(same.error - 0.01 / std::sqrt(11.0)) < 1e-15);
+    BOOST_TEST(apart.blocks == 3u);
+    BOOST_TEST(std::abs(apart.value - 1.0) < 1e-15);
+    BOOST_TEST(std::abs(apart.error - std::sqrt(1.0 / 3.0)) < 1e-15);
+}
+
 BOOST_AUTO_TEST_CASE(independent_values) {
     BOOST_TEST(independent(Values{1.0, 2.0, 3.0, 6.0}).value == 3.0);
     // sum of squares 14, over n(n-1) = 12
