@@ -97,6 +97,7 @@ Budget read_figure_budget(TomlReader& root, std::string const& name) {
 // Where the points of a curve are, and what makes their scenes.
 struct Variation {
     std::vector<double> values, paper_only;
+    std::optional<std::uint64_t> paper_seeds{};  // in place of the budget's
     toml::table settings{}, along{};  // the latter picks from lists by the point's place
 };
 
@@ -125,6 +126,8 @@ std::pair<FigureCurve, Variation> read_curve(TomlReader& table) {
     if (auto const settings = table.table("set")) variation.settings = settings->raw();
     if (auto const along = table.table("along")) variation.along = along->raw();
     variation.paper_only = table.numbers("paper_only", std::vector<double>{}, any_number);
+    if (table.has("paper_seeds"))
+        variation.paper_seeds = table.integer("paper_seeds", std::nullopt, positive_integer);
     curve.line = table.numbers("line", std::vector<double>{}, any_number);
     if (curve.line.size() != 0 && curve.line.size() != 2) table.fail("line", "allowed: a range [from, to]");
     curve.criteria = read_criteria(table);
@@ -220,8 +223,10 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
             Point point;
             point.curve = figure.curves.size();
             point.x = values[v];
-            point.runs.assign(budget.seeds, scene);
-            for (std::uint64_t run = 1; run < budget.seeds; ++run) point.runs[run].seed += run;
+            std::uint64_t const seeds =
+                budget.name == "paper" ? variation.paper_seeds.value_or(budget.seeds) : budget.seeds;
+            point.runs.assign(seeds, scene);
+            for (std::uint64_t run = 1; run < seeds; ++run) point.runs[run].seed += run;
             figure.points.push_back(std::move(point));
         }
         figure.curves.push_back(std::move(curve));

@@ -272,6 +272,10 @@ BOOST_AUTO_TEST_CASE(seeds_of_points_and_runs) {
     using Seeds = std::vector<std::vector<std::uint64_t>>;
     BOOST_TEST((seeds(load(join(good), "paper")) == Seeds{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}));
     auto lines = good;
+    lines[21] = "values = [1.0, 4.0]\npaper_seeds = 5";
+    BOOST_TEST((seeds(load(join(lines), "paper")) == Seeds{{1, 2, 3, 4, 5}, {1, 2, 3, 4, 5}, {1, 2, 3}}));
+    BOOST_TEST((seeds(load(join(lines))) == Seeds{{1, 2}, {1, 2}, {1, 2}}));
+    lines = good;
     lines[5] = "dimension = 2\nseed = 40";
     lines[21] = "values = [1.0, 4.0]\nset = {seed = 7}";
     BOOST_TEST((seeds(load(join(lines))) == Seeds{{7, 8}, {7, 8}, {40, 41}}));
