@@ -69,6 +69,7 @@ RULES = [
     (r"(python3 verification/tools/cost\.py \S+ --scaling)", r"\1 --only 'density 10' --repetitions 1",
      f"{LONG}; its shortest scene"),
     (r"(python3 verification/tools/race\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
+    (r"(python3 verification/calibration/calibrate\.py) .*", r"\1 --help", LONG),
     (r"(python3 verification/tools/record\.py) .*", r"\1 --help", f"{LONG}, and needs the benchmark"),
     (r"(python3 verification/tools/cost\.py \S+)", r"\1 --only free --repetitions 1", f"{LONG}; its cheapest scenes"),
     (r"(python3 verification/lammps/prove\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
