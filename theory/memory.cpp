@@ -128,7 +128,7 @@ SingleParticle single_particle(Medium const& medium, double k, Complex z) {
         Complex const share = 2.0 / (1.0 + kept) / (1.0 + square(h) * t * z);
         return kept * share * (1.0 - h * z) * (share * (1.0 + h * z) * resolvent - h);
     };
-    Complex const second = fraction(2, 2);
+    Complex const second = fraction(2, 3);
     Complex const density = 1.0 / (level(0) + k2 / (level(1) + 2.0 * k2 * second));
     Complex const along = level(0) / (level(0) * (level(1) + 2.0 * k2 * second) + k2);
     return {of_density(density), {of_velocity(fraction(1, 1)), of_velocity(along)}};

@@ -2,6 +2,7 @@
 #define BOOST_TEST_MODULE memory
 #include "theory/memory.hpp"
 
+#include <algorithm>
 #include <array>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
@@ -235,6 +236,69 @@ BOOST_AUTO_TEST_CASE(refuses_what_has_no_answer) {
 BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(collective)
+
+// The mean field of the currents in time, where memory.cpp has it in frequencies: E as it is written down, the
+// convolution by the trapezoidal rule: what its step leaves is below a third of the tolerance.
+BOOST_AUTO_TEST_CASE(agrees_with_integrals_over_time) {
+    constexpr double zeta = 2.0, n = 3.0, box = 5.0, step = 0.01;
+    constexpr int times = 1500, largest = 9;  // of a wave vector, in units of the smallest
+    double friction = 0.0, own = 0.0, others = 0.0;
+    for (int squared = 1; squared <= largest * largest; ++squared) {
+        int vectors = 0;
+        for (int x = -largest; x <= largest; ++x)
+            for (int y = -largest; y <= largest; ++y)
+                for (int z = -largest; z <= largest; ++z) vectors += x * x + y * y + z * z == squared;
+        if (vectors == 0) continue;
+        double const k = 2.0 * std::numbers::pi / box * std::sqrt(squared), k2 = k * k;
+        // of the transform of w r^ r^ the parts across and along k
+        auto const shared = [&](bool along) {
+            return volume_integral(3, 1.0, [&](double r) {
+                double const x = std::max(k * r, 1e-3);
+                double const all = std::sin(x) / x, across = (all - std::cos(x)) / (x * x);
+                return weight_at(Weight::linear, r) * (along ? all - 2.0 * across : across);
+            });
+        };
+        double const at_zero = weight_moment(3, Weight::linear, 1, 0) / 3.0;
+        std::array<double, 2> const s{shared(false) / at_zero, shared(true) / at_zero};
+        std::vector<double> E(times);
+        std::array<std::vector<double>, 2> self, all, straight;
+        for (auto* part : {&self, &all, &straight}) part->fill(std::vector<double>(times));
+        for (int t = 0; t < times; ++t) {
+            double const x = zeta * step * t, gone = -std::expm1(-x);
+            E[t] = std::exp(-k2 / (zeta * zeta) * (x - gone));
+            self[0][t] = (1.0 - gone) * E[t];
+            self[1][t] = (1.0 - gone - k2 / (zeta * zeta) * gone * gone) * E[t];
+        }
+        for (int part = 0; part < 2; ++part)
+            for (int t = 0; t < times; ++t) {
+                double once = 0.0, again = 0.0;
+                for (int u = 0; u <= t; ++u) {
+                    double const share = (u == 0 || u == t ? 0.5 : 1.0) * step;
+                    once += share * self[part][t - u] * self[part][u];
+                    if (u < t) again += share * self[part][t - u] * all[part][u];
+                }
+                straight[part][t] = t == 0 ? 0.0 : zeta * s[part] * once;
+                all[part][t] = t == 0 ? self[part][0]
+                                      : (self[part][t] + zeta * s[part] * again) /
+                                            (1.0 - 0.5 * step * zeta * s[part] * self[part][0]);
+            }
+        auto const q = [](double a, double b) {
+            return a * a + 2.0 / 3.0 * a * (b - a) + 2.0 / 15.0 * (b - a) * (b - a);
+        };
+        for (int t = 0; t < times; ++t) {
+            double const weight = vectors * (t == 0 ? 0.5 : 1.0) * step * zeta / (n * box * box * box);
+            double const across = all[0][t] - self[0][t], along = all[1][t] - self[1][t];
+            friction += 2.0 / 3.0 * weight * s[0] * s[0] * across * E[t];
+            own += 2.0 / 3.0 * weight * s[0] * s[0] * across * self[0][t];
+            others += 2.0 * weight * (q(across, along) - q(straight[0][t], straight[1][t]));
+        }
+    }
+    auto const memory = collective_memory({.n = n}, Weight::linear, zeta, 0.0, box);
+    auto const relative = boost::test_tools::tolerance(1e-3);
+    BOOST_TEST(memory.friction == friction, relative);
+    BOOST_TEST(memory.own_stress == own, relative);
+    BOOST_TEST(memory.others_stress == others, relative);
+}
 
 // Small wave numbers are hydrodynamics: (2/3) zeta/(n (nu + D) k^2), with nu = 1/(2 zeta) and what the
 // collisions carry.
