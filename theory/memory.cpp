@@ -30,6 +30,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// 1/z without the care for infinities that the language's division takes, which costs a multiple.
+Complex inverse(Complex z) { return std::conj(z) / std::norm(z); }
+
 // -----------------------------------------------------------------------------------------------------------
 // Collective part; lengths in rc, velocities in (kT/m)^(1/2)
 
@@ -82,7 +85,14 @@ Sharing sharing(int d, Profile const& profile, double k) {
 /// A medium of friction zeta in steps: exp(-zeta step) is left of a velocity after a collision, of the n-th
 /// power exp(-n zeta step). step = 0 is continuous time.
 struct Medium {
+    static constexpr int levels = 61;  ///< of Brinkman's fraction
+
+    Medium(double friction, double of_step) : zeta(friction), step(of_step) {
+        for (int n = 0; n < levels; ++n) rates[static_cast<std::size_t>(n)] = step_rate(n * zeta);
+    }
+
     double zeta, step;
+    std::array<double, levels> rates{};  ///< step_rate of n zeta
 
     /// (2/step) (1 - c)/(1 + c) of what keeps exp(-rate step) = c; the step times the sum over steps of that,
     /// the first half, is the inverse.
@@ -102,36 +112,34 @@ struct SingleParticle {
 };
 // [single particle]
 SingleParticle single_particle(Medium const& medium, double k, Complex z) {
-    constexpr int depth = 60;
     double const k2 = square(k), h = 0.5 * medium.step;
     auto const level = [&](int n) {
-        double const t = medium.step_rate(n * medium.zeta);
-        return (z + t) / (1.0 + square(h) * z * t);
+        double const t = medium.rates[static_cast<std::size_t>(n)];
+        return (z + t) * inverse(1.0 + square(h) * z * t);
     };
-    // 1/(level(from) + factor k^2/(level(from + 1) + (factor + 1) k^2/(...))); below the last it repeats
-    // itself
-    auto const fraction = [&](int from, int factor) {
-        Complex const last = level(from + depth);
+    // 1/(level(1) + factor k^2/(level(2) + (factor + 1) k^2/(...))); below the last it repeats itself
+    auto const fraction = [&](int factor) {
+        constexpr int depth = Medium::levels - 1;
+        Complex const last = level(depth);
         Complex below =
-            2.0 / (last + std::sqrt(last * last + 4.0 * static_cast<double>(factor + depth) * k2));
-        for (int n = depth - 1; n >= 0; --n)
-            below = 1.0 / (level(from + n) + static_cast<double>(factor + n) * k2 * below);
+            2.0 * inverse(last + std::sqrt(last * last + 4.0 * static_cast<double>(factor + depth - 1) * k2));
+        for (int n = depth - 1; n > 0; --n)
+            below = inverse(level(n) + static_cast<double>(factor + n - 1) * k2 * below);
         return below;
     };
     double const kept = std::exp(-medium.zeta * medium.step);
-    double const t = medium.step_rate(medium.zeta);
+    double const t = medium.rates[1];
     // from the resolvent in z to the sum over steps, of what is kept whole and of a velocity
     auto const of_density = [&](Complex resolvent) {
         return (1.0 - square(h) * z * z) * resolvent - h * (1.0 - h * z);
     };
     auto const of_velocity = [&](Complex resolvent) {
-        Complex const share = 2.0 / (1.0 + kept) / (1.0 + square(h) * t * z);
+        Complex const share = 2.0 / (1.0 + kept) * inverse(1.0 + square(h) * t * z);
         return kept * share * (1.0 - h * z) * (share * (1.0 + h * z) * resolvent - h);
     };
-    Complex const second = fraction(2, 3);
-    Complex const density = 1.0 / (level(0) + k2 / (level(1) + 2.0 * k2 * second));
-    Complex const along = level(0) / (level(0) * (level(1) + 2.0 * k2 * second) + k2);
-    return {of_density(density), {of_velocity(fraction(1, 1)), of_velocity(along)}};
+    Complex const first = fraction(2), density = inverse(level(0) + k2 * first);
+    Complex const across = fraction(1), along = level(0) * first * density;
+    return {of_density(density), {of_velocity(across), of_velocity(along)}};
 }
 // [single particle]
 
@@ -180,8 +188,8 @@ private:
 /// frequencies.
 class Wave {
 public:
-    Wave(int d, Profile const& profile, Medium const& medium, double k)
-        : d_(d), medium_(medium), k_(k), share_(sharing(d, profile, k)) {}
+    Wave(int d, Medium const& medium, double k, Sharing const& share)
+        : d_(d), medium_(medium), k_(k), share_(share) {}
 
     // [returned]
     /// Momentum that comes back to a particle, as a share of what it has lost.
@@ -232,8 +240,9 @@ private:
     Parts<Complex> others(SingleParticle const& single) const {
         auto const once = straight(single);
         return {
-            once.transverse / (1.0 - handed(share_.current.transverse) * single.current.transverse),
-            once.longitudinal / (1.0 - handed(share_.current.longitudinal) * single.current.longitudinal)};
+            once.transverse * inverse(1.0 - handed(share_.current.transverse) * single.current.transverse),
+            once.longitudinal *
+                inverse(1.0 - handed(share_.current.longitudinal) * single.current.longitudinal)};
     }
     // [current]
 
@@ -279,54 +288,82 @@ private:
     }
 
     int d_;
-    Medium medium_;
+    Medium const& medium_;
     double k_;
-    Sharing share_;
+    Sharing const& share_;
 };
 
 /// Beyond, nothing is shared: s_k^3 is below 1e-6 for every weight.
 constexpr double largest_k = 24.0;
 
-/// The integral of a function of the wave number over all wave vectors, or the sum over those of a periodic
-/// square or cube but 0, per volume. The function falls as k^-2 from k = 0 and is smooth otherwise.
-template <class Function>
-double over_waves(int d, double box, Function const& function) {
-    using Gauss = boost::math::quadrature::gauss<double, 10>;  // holds the nodes >= 0 only
-    // A smooth step at few wave numbers of the box: below, the vectors are summed; above, the sum is an
-    // integral (Poisson; the error is exp(-(1.5 pi)^2)). Of that the wave 0 is taken away again.
-    double const k1 = std::isfinite(box) ? 2.0 * std::numbers::pi / box : 0.0;
-    double const step = 1.5 * k1;
-    auto const below = [=](double k) { return step > 0.0 ? std::exp(-square(k / step)) : 0.0; };
-    std::vector<double> ends{0.0, step > 0.0 ? 2.0 * step : 2.0};
-    while (ends.back() < largest_k) ends.push_back(std::min(2.3 * ends.back(), largest_k));
-    double sum = 0.0;
-    for (std::size_t part = 0; part + 1 < ends.size(); ++part)
-        for (std::size_t g = 0; g < Gauss::abscissa().size(); ++g)
-            for (double const sign : {-1.0, 1.0}) {
-                double const half = 0.5 * (ends[part + 1] - ends[part]);
-                double const k = ends[part] + half * (1.0 + sign * Gauss::abscissa()[g]);
-                double const density =
-                    unit_sphere_surface(d) * std::pow(k, d - 1) / std::pow(2.0 * std::numbers::pi, d);
-                sum += half * Gauss::weights()[g] * density * (1.0 - below(k)) * function(k);
+/// All waves of a fluid, whatever the medium: for the integral of a function of the wave number over all wave
+/// vectors, or the sum over those of a periodic square or cube but 0, per volume. The function falls as k^-2
+/// from k = 0 and is smooth otherwise.
+class Waves {
+public:
+    Waves(int d, Profile const& profile, double box) : d_(d), profile_(profile) {
+        using Gauss = boost::math::quadrature::gauss<double, 10>;  // holds the nodes >= 0 only
+        // A smooth step at few wave numbers of the box: below, the vectors are summed; above, the sum is an
+        // integral (Poisson; the error is exp(-(1.5 pi)^2)). Of that the wave 0 is taken away again.
+        double const k1 = std::isfinite(box) ? 2.0 * std::numbers::pi / box : 0.0;
+        double const step = 1.5 * k1;
+        auto const below = [=](double k) { return step > 0.0 ? std::exp(-square(k / step)) : 0.0; };
+        std::vector<double> ends{0.0, step > 0.0 ? 2.0 * step : 2.0};
+        while (ends.back() < largest_k) ends.push_back(std::min(2.3 * ends.back(), largest_k));
+        for (std::size_t part = 0; part + 1 < ends.size(); ++part)
+            for (std::size_t g = 0; g < Gauss::abscissa().size(); ++g)
+                for (double const sign : {-1.0, 1.0}) {
+                    double const half = 0.5 * (ends[part + 1] - ends[part]);
+                    double const k = ends[part] + half * (1.0 + sign * Gauss::abscissa()[g]);
+                    double const density =
+                        unit_sphere_surface(d) * std::pow(k, d - 1) / std::pow(2.0 * std::numbers::pi, d);
+                    add(k, half * Gauss::weights()[g] * density * (1.0 - below(k)));
+                }
+        if (step == 0.0) return;
+        double const volume = std::pow(box, d), first = 0.2 * k1;
+        add(first, -square(first) / (square(step) * volume));
+        constexpr int largest = 8;                         // exp(-(8/1.5)^2) = 4e-13
+        std::array<int, largest * largest + 1> vectors{};  // of each squared length
+        int const depth = d == 2 ? 0 : largest;
+        for (int x = -largest; x <= largest; ++x)
+            for (int y = -largest; y <= largest; ++y)
+                for (int z = -depth; z <= depth; ++z)
+                    if (int const squared = x * x + y * y + z * z;
+                        squared > 0 && squared <= largest * largest)
+                        ++vectors[static_cast<std::size_t>(squared)];
+        for (std::size_t squared = 1; squared < vectors.size(); ++squared)
+            if (vectors[squared] > 0) {
+                double const k = k1 * std::sqrt(static_cast<double>(squared));
+                add(k, vectors[squared] * below(k) / volume);
             }
-    if (step == 0.0) return sum;
-    double const volume = std::pow(box, d), first = 0.2 * k1;
-    sum -= square(first) * function(first) / (square(step) * volume);
-    constexpr int largest = 8;                         // exp(-(8/1.5)^2) = 4e-13
-    std::array<int, largest * largest + 1> vectors{};  // of each squared length
-    int const depth = d == 2 ? 0 : largest;
-    for (int x = -largest; x <= largest; ++x)
-        for (int y = -largest; y <= largest; ++y)
-            for (int z = -depth; z <= depth; ++z)
-                if (int const squared = x * x + y * y + z * z; squared > 0 && squared <= largest * largest)
-                    ++vectors[static_cast<std::size_t>(squared)];
-    for (std::size_t squared = 1; squared < vectors.size(); ++squared)
-        if (vectors[squared] > 0) {
-            double const k = k1 * std::sqrt(static_cast<double>(squared));
-            sum += vectors[squared] * below(k) * function(k) / volume;
-        }
-    return sum;
-}
+    }
+
+    int d() const { return d_; }
+
+    /// Of a function of what a wave shares.
+    double sum_of_shares(std::function<double(Sharing const&)> const& function) const {
+        double sum = 0.0;
+        for (auto const& wave : waves_) sum += wave.weight * function(wave.share);
+        return sum;
+    }
+    /// Of what a wave does in a medium.
+    double sum(Medium const& medium, double (Wave::*what)() const) const {
+        double sum = 0.0;
+        for (auto const& wave : waves_) sum += wave.weight * (Wave(d_, medium, wave.k, wave.share).*what)();
+        return sum;
+    }
+
+private:
+    struct Weighted {
+        double k, weight;
+        Sharing share;
+    };
+    void add(double k, double weight) { waves_.push_back({k, weight, sharing(d_, profile_, k)}); }
+
+    int d_;
+    Profile profile_;
+    std::vector<Weighted> waves_;
+};
 
 void check_step_and_box(int d, double dt, double box) {
     if (!(dt >= 0.0) || !std::isfinite(dt))
@@ -338,16 +375,6 @@ void check_step_and_box(int d, double dt, double box) {
             "box");
 }
 
-double returned_friction(int d, double n, Profile const& profile, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).friction(); }) / n;
-}
-double returned_own_stress(int d, double n, Profile const& profile, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).own_stress(); }) / n;
-}
-double returned_others_stress(int d, double n, Profile const& profile, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).others_stress(); }) / n;
-}
-
 /// What comes back within a sweep, while nobody moves: in it the wave s_k keeps exp(-decay (1 - s_k)), a
 /// particle by itself exp(-decay). Once there and back needs the same pair twice and does not happen.
 struct Sweep {
@@ -356,20 +383,21 @@ struct Sweep {
     double collision;  ///< what it takes from the collision viscosity, times the step
 };
 // [within a sweep]
-Sweep within_sweep(int d, double n, Profile const& profile, double decay, double box) {
+Sweep within_sweep(Waves const& waves, double n, double decay) {
+    int const d = waves.d();
     auto const beyond_second = [](double x) {  // exp(x) - 1 - x - x^2/2
         return std::abs(x) < 1e-2 ? x * x * x / 6.0 * (1.0 + 0.25 * x) : std::expm1(x) - x - 0.5 * x * x;
     };
-    auto const velocity = [&](double k) {
-        auto const s = sharing(d, profile, k).current;
+    auto const velocity = [&](Sharing const& share) {
+        auto const& s = share.current;
         return ((d - 1) * beyond_second(decay * s.transverse) + beyond_second(decay * s.longitudinal)) / d;
     };
     auto const product = [&](double a, double b) {  // averaged over directions as in Wave
         double const c = b - a;
         return a * a + 2.0 / d * a * c + 2.0 / (d * (d + 2.0)) * c * c;
     };
-    auto const stress = [&](double k) {
-        auto const s = sharing(d, profile, k).current;
+    auto const stress = [&](Sharing const& share) {
+        auto const& s = share.current;
         double const a = decay * s.transverse, b = decay * s.longitudinal;
         return std::exp(-2.0 * decay) * (product(std::expm1(a), std::expm1(b)) - product(a, b));
     };
@@ -381,13 +409,14 @@ Sweep within_sweep(int d, double n, Profile const& profile, double decay, double
         };
         return twice(decay * (1.0 - s)) - twice(decay);
     };
-    auto const collision = [&](double k) {
-        auto const [s, t] = sharing(d, profile, k);
+    auto const collision = [&](Sharing const& share) {
+        auto const& [s, t] = share;
         double const transverse = 2.0 / d - 4.0 / (d * (d + 2.0)), longitudinal = 1.0 / (d * (d + 2.0));
         return square(decay) * (transverse * square(t.transverse) * passed_on(s.transverse) +
                                 longitudinal * square(t.longitudinal) * passed_on(s.longitudinal));
     };
-    return {over_waves(d, box, velocity) / n, over_waves(d, box, stress) / n, over_waves(d, box, collision)};
+    return {waves.sum_of_shares(velocity) / n, waves.sum_of_shares(stress) / n,
+            waves.sum_of_shares(collision)};
 }
 // [within a sweep]
 
@@ -417,23 +446,36 @@ ZeroAndSlope zero_and_slope(Function const& function, double lowest, double high
 class Sequence {
 public:
     void add(double value) { values_.push_back(value); }
-    /// What the last three tend to, if they close in like a geometric series (Aitken); otherwise the last.
-    double limit() const {
-        std::size_t const count = values_.size();
-        double const last = values_[count - 1];
-        if (count < 3) return last;
-        double const step = last - values_[count - 2], before = values_[count - 2] - values_[count - 3];
-        constexpr double slowest = 0.7;
-        bool const closes_in = before != 0.0 && step / before > 0.0 && step / before < slowest;
-        return closes_in ? last + step * step / (before - step) : last;
-    }
-    /// How far the last one may be from it: its change, or what the geometric series still adds.
-    double change() const {
-        double const left = std::abs(limit() - values_.back());
-        return left > 0.0 ? left : std::abs(values_.back() - values_[values_.size() - 2]);
-    }
+    /// What the last five tend to, or three, if they close in like a sum of geometric series.
+    double limit() const { return limit(values_.size()); }
+    /// How far off it may be: what the last value has changed in it.
+    double change() const { return std::abs(limit() - limit(values_.size() - 1)); }
 
 private:
+    /// Of the first `count` values. Wynn's epsilon algorithm, of three values Aitken's.
+    double limit(std::size_t count) const {
+        std::size_t const used = count < 3 ? 1 : count < 5 ? 3 : 5;
+        double const last = values_[count - 1];
+        std::vector<double> before(used + 1, 0.0),
+            now(values_.begin() + static_cast<std::ptrdiff_t>(count - used),
+                values_.begin() + static_cast<std::ptrdiff_t>(count));
+        double best = last;
+        for (std::size_t column = 1; column < used; ++column) {
+            std::vector<double> next;
+            for (std::size_t i = 0; i + 1 < now.size(); ++i) {
+                double const step = now[i + 1] - now[i];
+                if (step == 0.0) return best;
+                next.push_back(before[i + 1] + 1.0 / step);
+            }
+            before = std::exchange(now, next);
+            if (column % 2 == 0) best = now.back();
+        }
+        // a series that does not close in has no limit to be trusted
+        constexpr double farthest = 20.0;
+        return used > 1 && std::abs(best - last) > farthest * std::abs(last - values_[count - 2]) ? last
+                                                                                                  : best;
+    }
+
     std::vector<double> values_;
 };
 
@@ -441,11 +483,7 @@ struct Converged {
     double value, error;
 };
 
-constexpr int lowest_degree = 6, degree_step = 4, highest_degree = 18;
-
-double returned_collision_stress(int d, Profile const& profile, Medium const& medium, double box) {
-    return over_waves(d, box, [&](double k) { return Wave(d, profile, medium, k).collision_stress(); });
-}
+constexpr int lowest_degree = 6, degree_step = 2, highest_degree = 18;
 
 /// Friction that chaos gives a velocity in continuous time, and the collision viscosity.
 double friction_limit(Gas const& gas, auto const& thermostat) {
@@ -491,14 +529,11 @@ struct Reduced {
     double collision_viscosity_at_once() const {
         return std::visit([&](auto const& t) { return viscosity_at_once(gas(), t, step); }, thermostat);
     }
-    Sweep within_sweep() const {
+    Sweep within_sweep(Waves const& waves) const {
         if (step == 0.0) return {};
-        return theory::within_sweep(d, n, profile(), friction_at_once() * step, box);
+        return theory::within_sweep(waves, n, friction_at_once() * step);
     }
     Medium medium(double zeta) const { return {zeta, step}; }
-    double returned_friction(double zeta) const {
-        return theory::returned_friction(d, n, profile(), medium(zeta), box);
-    }
 };
 
 /// The integrals of stress_memory.
@@ -544,7 +579,7 @@ private:
     // Step by step from this flight on. Below it the first two moments of the drift cost at most 2 % of the
     // memory, 0.5 % of a coefficient.
     static constexpr double long_step = 0.06;
-    static constexpr int refinements_in_steps = 2;
+    static constexpr int refinements_in_steps = 3;
     static int degree_in_steps(int refined) { return 4 + 2 * refined; }
 
     bool in_steps() const { return gas_.step >= long_step; }
@@ -573,11 +608,11 @@ double sweep_friction(Reduced const& gas, Sweep const& sweep) {
 
 /// The friction zeta that a particle feels, in a medium of particles that feel the same.
 // [self-consistency]
-Converged self_consistent_friction(Reduced const& gas, Pairs& pairs, Sweep const& sweep) {
+Converged self_consistent_friction(Reduced const& gas, Pairs& pairs, Waves const& waves, Sweep const& sweep) {
     double const at_once = gas.friction_at_once(), in_sweep = sweep_friction(gas, sweep);
     auto const excess = [&](double zeta, int refined) {
         return pair_friction(gas, pairs, zeta, refined) - in_sweep -
-               zeta * (1.0 + gas.returned_friction(zeta));
+               zeta * (1.0 + waves.sum(gas.medium(zeta), &Wave::friction) / gas.n);
     };
     // with few polynomials between bounds, then with more, which changes little
     constexpr double smallest = 0.02;
@@ -614,12 +649,12 @@ CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, d
     check_step_and_box(gas.d, dt, box);
     double const n = gas.n * std::pow(gas.rc, gas.d), time = gas.rc * std::sqrt(gas.m / gas.kT);
     Medium const medium{zeta * time, dt / time};
-    Profile const profile = [weight](double r) { return weight_at(weight, r); };
-    return {returned_friction(gas.d, n, profile, medium, box / gas.rc),
-            returned_own_stress(gas.d, n, profile, medium, box / gas.rc),
-            returned_others_stress(gas.d, n, profile, medium, box / gas.rc),
-            returned_collision_stress(gas.d, profile, medium, box / gas.rc) * std::sqrt(gas.m * gas.kT) *
-                std::pow(gas.rc, 1 - gas.d)};
+    Waves const waves(
+        gas.d, [weight](double r) { return weight_at(weight, r); }, box / gas.rc);
+    return {
+        waves.sum(medium, &Wave::friction) / n, waves.sum(medium, &Wave::own_stress) / n,
+        waves.sum(medium, &Wave::others_stress) / n,
+        waves.sum(medium, &Wave::collision_stress) * std::sqrt(gas.m * gas.kT) * std::pow(gas.rc, 1 - gas.d)};
 }
 
 namespace {
@@ -630,14 +665,15 @@ TransportWithMemory transport(Gas const& gas, Thermostat const& reduced_thermost
     double const speed = std::sqrt(gas.kT / gas.m), n = gas.n * std::pow(gas.rc, d);
     Reduced const reduced{d, n, reduced_thermostat, dt * speed / gas.rc, box / gas.rc, wanted};
     Pairs pairs(reduced);
+    Waves const waves(d, reduced.profile(), reduced.box);
 
     // [diffusion with memory]
-    Sweep const sweep = reduced.within_sweep();
-    auto const zeta = self_consistent_friction(reduced, pairs, sweep);
+    Sweep const sweep = reduced.within_sweep(waves);
+    auto const zeta = self_consistent_friction(reduced, pairs, waves, sweep);
     auto const medium = reduced.medium(zeta.value);
     auto const diffusion_at = [&](double rate) { return 1.0 / medium.step_rate(rate); };
     double const of_pairs =
-        zeta.value * (1.0 + reduced.returned_friction(zeta.value)) + sweep_friction(reduced, sweep);
+        zeta.value * (1.0 + waves.sum(medium, &Wave::friction) / n) + sweep_friction(reduced, sweep);
     CoefficientWithMemory diffusion{.at_once = diffusion_at(reduced.friction_at_once()),
                                     .error = zeta.error / zeta.value * diffusion_at(zeta.value)};
     diffusion.pair = diffusion_at(of_pairs) - diffusion.at_once;
@@ -648,15 +684,14 @@ TransportWithMemory transport(Gas const& gas, Thermostat const& reduced_thermost
     auto const memory = pairs.stress(zeta.value);
     double const pair_rate = reduced.stress_rate_at_once() - 0.5 * n * memory.relaxation.value;
     double const rate = stress_rate_in_sweep(reduced, sweep, pair_rate);
-    Profile const profile = reduced.profile();
     // of the chaotic gas, by what its stress loses; step/(1 - s) - step/2
     double const of_pairs_life = 1.0 / medium.step_rate(pair_rate);
     // of the waves, by what they lose, 2 zeta
     double const decay = 2.0 * zeta.value * medium.step;
     double const of_rate = decay == 0.0 ? 1.0 : decay / std::sinh(decay);  // d ln(life)/d ln(1/rate)
-    double const of_waves_life = (of_rate * returned_own_stress(d, n, profile, medium, reduced.box) +
-                                  returned_others_stress(d, n, profile, medium, reduced.box)) /
-                                 medium.step_rate(2.0 * zeta.value);
+    double const of_waves_life =
+        (of_rate * waves.sum(medium, &Wave::own_stress) + waves.sum(medium, &Wave::others_stress)) /
+        (n * medium.step_rate(2.0 * zeta.value));
     double const life = 1.0 / medium.step_rate(rate) + of_waves_life;
     // kinetic stress that the collision stress becomes, over n kT
     double const cross = 0.5 * n * memory.cross.value / std::cosh(0.5 * rate * medium.step);
@@ -667,7 +702,7 @@ TransportWithMemory transport(Gas const& gas, Thermostat const& reduced_thermost
     CoefficientWithMemory collision{.at_once = reduced.collision_viscosity_at_once(),
                                     .pair = -0.5 * square(n) * memory.collision.value,
                                     .cross = n * life * cross * (1.0 + cross)};
-    collision.collective = -returned_collision_stress(d, profile, medium, reduced.box) -
+    collision.collective = -waves.sum(medium, &Wave::collision_stress) -
                            (medium.step == 0.0 ? 0.0 : sweep.collision / medium.step);
     // [viscosities]
     double const of_cross = 0.5 * square(n) * life * memory.cross.error;
