@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace dpd::theory {
 namespace {
 
-constexpr double accuracy = 1e-3;  ///< of coefficients and of what is solved for, relative
+constexpr double accuracy = 1e-3;  ///< of coefficients, relative
 
 std::string digits(double value) {
     std::array<char, 32> text{};
@@ -21,14 +22,30 @@ std::string digits(double value) {
     return text.data();
 }
 
-/// Where a function of ln x that rises or falls is zero, between bounds that the caller has checked.
-double zero(std::function<double(double)> const& f, double low, double f_low, double high, double f_high) {
-    std::uintmax_t evaluations = 20;
-    auto const close = [](double a, double b) { return std::abs(b - a) < accuracy; };
-    auto const [a, b] =
-        boost::math::tools::toms748_solve([&](double ln_x) { return f(std::exp(ln_x)); }, std::log(low),
-                                          std::log(high), f_low, f_high, close, evaluations);
-    return std::exp(0.5 * (a + b));
+/// A place and what is left there of a function that rises and is wanted to be zero.
+struct Trial {
+    double x, off;
+};
+
+/// Between two trials of different signs, in ln x, one at which at most `closest` is left (the rule of false
+/// position, of which an end that stays counts half the next time), or the better end of an interval that is
+/// too small to matter.
+Trial zero(std::function<double(double)> const& f, Trial low, Trial high) {
+    constexpr double closest = 3e-4, smallest = 1e-5;
+    double low_off = low.off, high_off = high.off;
+    int side = 0;
+    while (std::min(-low.off, high.off) > closest && std::log(high.x / low.x) > smallest) {
+        double const share = low_off / (low_off - high_off);
+        double const x = low.x * std::pow(high.x / low.x, std::clamp(share, 0.02, 0.98));
+        Trial const next{x, f(x)};
+        bool const below = next.off < 0.0;
+        (below ? low : high) = next;
+        (below ? low_off : high_off) = next.off;
+        int const now = below ? -1 : 1;
+        if (now == side) (below ? high_off : low_off) *= 0.5;
+        side = now;
+    }
+    return -low.off < high.off ? low : high;
 }
 
 class Tuner {
@@ -36,35 +53,49 @@ public:
     Tuner(Gas const& gas, Weight weight, Scheme scheme, double box)
         : gas_(gas), weight_(weight), scheme_(scheme), box_(box) {}
 
-    Tuned at(double gamma, double dt) const {
-        return {gamma, dt,
-                transport_with_memory(gas_, Shardlow{.gamma = gamma, .weight = weight_, .scheme = scheme_},
-                                      dt, box_, accuracy)};
+    /// States are kept: a search ends at one that it has tried.
+    Tuned const& at(double gamma, double dt) const {
+        auto found = known_.find({gamma, dt});
+        if (found == known_.end()) {
+            Shardlow const thermostat{.gamma = gamma, .weight = weight_, .scheme = scheme_};
+            found =
+                known_
+                    .emplace(std::pair{gamma, dt},
+                             Tuned{gamma, dt, transport_with_memory(gas_, thermostat, dt, box_, accuracy)})
+                    .first;
+        }
+        return found->second;
     }
 
     /// The largest friction at which a coefficient is `value`. At strong friction it is above (`grows`) or
-    /// below that.
-    double friction(std::function<double(Tuned const&)> const& coefficient, bool grows, char const* name,
-                    double value, double dt) const {
-        constexpr double factor = 3.0;
+    /// below that. With a guess the nearest.
+    Tuned const& friction(std::function<double(Tuned const&)> const& coefficient, bool grows,
+                          char const* name, double value, double dt,
+                          std::optional<double> guess = std::nullopt) const {
+        double const factor = guess ? 1.3 : 3.0;
         constexpr int widest = 7;
         auto const off = [&](double gamma) {
             double const ratio = std::log(coefficient(at(gamma, dt)) / value);
             return grows ? ratio : -ratio;
         };
-        double high = 20.0 * std::sqrt(gas_.m * gas_.kT) / gas_.rc, f_high = off(high);
-        for (int k = 0; k < widest && f_high < 0.0; ++k) f_high = off(high *= factor);
-        double low = high, f_low = f_high, nearest = f_high;
-        for (int k = 0; k < widest && f_low > 0.0; ++k) {
-            high = low, f_high = f_low;
-            f_low = off(low /= factor);
-            nearest = std::min(nearest, f_low);
+        auto const tried = [&](double gamma) { return Trial{gamma, off(gamma)}; };
+        Trial high = tried(guess.value_or(20.0 * std::sqrt(gas_.m * gas_.kT) / gas_.rc)), low = high;
+        for (int k = 0; k < widest && high.off < 0.0; ++k) {
+            if (guess) low = high;
+            high = tried(high.x * factor);
         }
-        if (f_high < 0.0 || f_low > 0.0)
+        if (low.off > 0.0) low = high;
+        double nearest = high.off;
+        for (int k = 0; k < widest && low.off > 0.0; ++k) {
+            high = low;
+            low = tried(low.x / factor);
+            nearest = std::min(nearest, low.off);
+        }
+        if (high.off < 0.0 || low.off > 0.0)
             throw std::domain_error(std::string("no friction gives ") + name + " = " + digits(value) +
                                     " at dt = " + digits(dt) +
                                     "; nearest: " + digits(value * std::exp(grows ? nearest : -nearest)));
-        return zero(off, low, f_low, high, f_high);
+        return at(zero(off, low, high).x, dt);
     }
 
     Gas const& gas() const { return gas_; }
@@ -74,6 +105,7 @@ private:
     Weight weight_;
     Scheme scheme_;
     double box_;
+    mutable std::map<std::pair<double, double>, Tuned> known_;
 };
 
 double viscosity_of(Tuned const& tuned) { return tuned.viscosity(); }
@@ -94,14 +126,11 @@ Tuned tune(Gas const& gas, Wanted const& wanted, Weight weight, Scheme scheme, d
             "two numbers determine friction and step; allowed: two of eta, D and Sc, or one of them and dt");
     Tuner const tuner(gas, weight, scheme, box);
     if (wanted.dt) {
-        if (wanted.viscosity)
-            return tuner.at(tuner.friction(viscosity_of, true, "eta", *wanted.viscosity, *wanted.dt),
-                            *wanted.dt);
+        if (wanted.viscosity) return tuner.friction(viscosity_of, true, "eta", *wanted.viscosity, *wanted.dt);
         if (wanted.diffusion_constant)
-            return tuner.at(tuner.friction(diffusion_of, false, "D", *wanted.diffusion_constant, *wanted.dt),
-                            *wanted.dt);
+            return tuner.friction(diffusion_of, false, "D", *wanted.diffusion_constant, *wanted.dt);
         auto const schmidt = [&](Tuned const& tuned) { return tuned.schmidt_number(gas); };
-        return tuner.at(tuner.friction(schmidt, true, "Sc", *wanted.schmidt_number, *wanted.dt), *wanted.dt);
+        return tuner.friction(schmidt, true, "Sc", *wanted.schmidt_number, *wanted.dt);
     }
     // of the two coefficients the friction settles one, the step the other: long steps make D larger
     double const eta = wanted.viscosity.value_or(wanted.schmidt_number.value_or(0.0) * gas.n * gas.m *
@@ -109,32 +138,36 @@ Tuned tune(Gas const& gas, Wanted const& wanted, Weight weight, Scheme scheme, d
     double const D =
         wanted.diffusion_constant.value_or(eta / (gas.n * gas.m * wanted.schmidt_number.value_or(1.0)));
     double const unit = gas.rc * std::sqrt(gas.m / gas.kT), shortest = 0.01 * unit;
+    // from step to step the friction that gives eta changes little
+    std::map<double, Tuned> found;
     auto const off = [&](double dt) {
-        double const gamma = tuner.friction(viscosity_of, true, "eta", eta, dt);
-        return std::log(diffusion_of(tuner.at(gamma, dt)) / D);
+        auto const near = std::min_element(found.begin(), found.end(), [&](auto const& a, auto const& b) {
+            return std::abs(std::log(a.first / dt)) < std::abs(std::log(b.first / dt));
+        });
+        auto const guess = near == found.end() ? std::nullopt : std::optional(near->second.gamma);
+        found[dt] = tuner.friction(viscosity_of, true, "eta", eta, dt, guess);
+        return std::log(diffusion_of(found[dt]) / D);
     };
-    double low = shortest, f_low = off(low), high = low, f_high = f_low;
+    Trial low{shortest, off(shortest)}, high = low;
     // n kT dt/2 is the least kinetic viscosity of a step: from some step on no friction gives eta
     constexpr double factor = 1.7;
-    for (double next = 0.05 * unit; f_high < 0.0 && next < std::min(unit, 2.0 * eta / (gas.n * gas.kT));
+    for (double next = 0.05 * unit; high.off < 0.0 && next < std::min(unit, 2.0 * eta / (gas.n * gas.kT));
          next *= factor) {
-        low = high, f_low = f_high;
+        low = high;
         try {
-            f_high = off(next);
+            high = {next, off(next)};
         } catch (std::domain_error const&) {
             break;
         }
-        high = next;
     }
-    if (f_low > 0.0 || f_high < 0.0) {
+    if (low.off > 0.0 || high.off < 0.0) {
         auto const schmidt = [&](double f) { return digits(eta / (gas.n * gas.m * D * std::exp(f))); };
-        throw std::domain_error("with eta = " + digits(eta) + " this gas has Sc from " + schmidt(f_high) +
-                                " (dt = " + digits(high) + ") to " + schmidt(f_low) +
-                                " (dt = " + digits(low) + "), not " + digits(eta / (gas.n * gas.m * D)) +
+        throw std::domain_error("with eta = " + digits(eta) + " this gas has Sc from " + schmidt(high.off) +
+                                " (dt = " + digits(high.x) + ") to " + schmidt(low.off) +
+                                " (dt = " + digits(low.x) + "), not " + digits(eta / (gas.n * gas.m * D)) +
                                 "; another density has others");
     }
-    double const dt = zero(off, low, f_low, high, f_high);
-    return tuner.at(tuner.friction(viscosity_of, true, "eta", eta, dt), dt);
+    return found.at(zero(off, low, high).x);
 }
 
 }  // namespace dpd::theory

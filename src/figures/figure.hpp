@@ -1,7 +1,8 @@
 /// @file
 /// What a figure is: a base scene, curves of parameter variations, and comparisons with closed forms.
 /// Defined by verification/ID/figure.toml (define_figure.hpp), run (run_figure.hpp), compared
-/// (judge_figure.hpp), and drawn by verification/ID/plot.gp (write_figure.hpp); docs/figures.md.
+/// (judge_figure.hpp), and drawn by verification/ID/plot.gp, and as ID-NAME by each NAME.gp beside it
+/// (write_figure.hpp); docs/figures.md.
 #pragma once
 
 #include <cmath>

@@ -150,9 +150,15 @@ void rewrite_figure(Figure const& figure, std::vector<Comparison> const& compari
 
     std::string const caption = fmt::format("{}. {} Run time {} ({} budget).", source_of(figure),
                                             figure.caption, duration_text(written.seconds), written.budget);
-    draw(output / figure.id, figure.directory / "plot.gp",
-         fmt::format("title_text = {}\ndata = {}\nlines = {}\ncaption = {}\n", quoted(figure.title),
-                     quoted_path(data), quoted_path(lines), quoted(wrapped(caption))));
+    std::string const definitions = fmt::format(
+        "title_text = {}\ndata = {}\nlines = {}\ncaption = {}\ndirectory = {}\n", quoted(figure.title),
+        quoted_path(data), quoted_path(lines), quoted(wrapped(caption)), quoted_path(figure.directory));
+    draw(output / figure.id, figure.directory / "plot.gp", definitions);
+    for (auto const& page : std::filesystem::directory_iterator(figure.directory)) {
+        auto const& plot = page.path();
+        if (plot.extension() == ".gp" && plot.stem() != "plot")
+            draw(output / (figure.id + "-" + plot.stem().string()), plot, definitions);
+    }
 }
 
 void write_figure(Figure const& figure, std::vector<Comparison> const& comparisons, std::string const& budget,

@@ -1,9 +1,10 @@
-# Kinetic and collision viscosity against the step, friction 1 and 9.
+# Kinetic and collision viscosity against the step, friction 1 and 9; dashed: theory with memory.
 names = "gamma=1 gamma=9"
 array colour_kin[2] = [blue, red]
 array colour_col[2] = [sky, yellow]
 kin = ":kinetic_viscosity:ng8"; col = ":collision_viscosity:ng12"
 part(n, kind, q) = word(names, n).kind.q
+kin_memory = ":kinetic_viscosity:memory-kinetic"; col_memory = ":collision_viscosity:memory-collision"
 
 @upper
 set logscale xy
@@ -12,13 +13,16 @@ set ylabel "viscosity η*" offset 0.5,0
 set key top left maxrows 3
 plot for [n=1:2] lines index part(n, "", kin) using 1:2 with lines lw 2 lc rgb colour_kin[n] notitle, \
      for [n=1:2] lines index part(n, "", col) using 1:2 with lines lw 2 lc rgb colour_col[n] notitle, \
+     for [n=1:2] lines index part(n, "", kin_memory) using 1:2 with lines lw 1.5 dt 2 lc rgb colour_kin[n] notitle, \
+     for [n=1:2] lines index part(n, "", col_memory) using 1:2 with lines lw 1.5 dt 2 lc rgb colour_col[n] notitle, \
      for [n=1:2] data index part(n, "", kin) using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb colour_kin[n] title "kinetic, γ* = ".word(names, n)[7:], \
      for [n=1:2] data index part(n, "", col) using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb colour_col[n] title "collision, γ* = ".word(names, n)[7:], \
      for [n=1:2] data index part(n, " chaos", kin) using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb colour_kin[n] notitle, \
      for [n=1:2] data index part(n, " chaos", col) using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb colour_col[n] notitle, \
      for [n=1:2] data index part(n, " chaos, long step", kin) using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb colour_kin[n] notitle, \
      for [n=1:2] data index part(n, " chaos, long step", col) using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb colour_col[n] notitle, \
-     NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn"
+     NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn", \
+     NaN with lines lw 1.5 dt 2 lc rgb black title "with memory"
 @lower
 set xlabel "time step Δt*" offset 0,0.4
 set yrange [-40:130]

@@ -1,5 +1,7 @@
-# Kinetic and collision viscosity of the Lowe-Andersen gas against the collision frequency.
+# Kinetic and collision viscosity of the Lowe-Andersen gas against the collision frequency; dashed: theory with memory, up to
+# one update of a pair per step.
 kin = ":kinetic_viscosity:ng8-lowe"; col = ":collision_viscosity:ng12-lowe"
+kin_memory = ":kinetic_viscosity:memory-kinetic-lowe"; col_memory = ":collision_viscosity:memory-collision-lowe"
 one = "dt=0.1"; rare = "dt=0.1, rare"; two = "dt=1"; flat = "2D, dt=0.1"
 
 @upper
@@ -10,6 +12,10 @@ set key top left maxrows 3
 plot lines index rare.kin using 1:2 with lines lw 2 lc rgb blue notitle, \
      lines index two.kin using 1:2 with lines lw 2 lc rgb sky notitle, \
      lines index rare.col using 1:2 with lines lw 2 lc rgb red notitle, \
+     lines index one.kin_memory using 1:2 with lines lw 1.5 dt 2 lc rgb blue notitle, \
+     lines index two.kin_memory using 1:2 with lines lw 1.5 dt 2 lc rgb sky notitle, \
+     lines index one.col_memory using 1:2 with lines lw 1.5 dt 2 lc rgb red notitle, \
+     lines index two.col_memory using 1:2 with lines lw 1.5 dt 2 lc rgb yellow notitle, \
      data index one.kin using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb blue title "kinetic, Δt* = 0.1", \
      data index two.kin using 1:2:3 with yerrorbars pt 9 lw 1.5 lc rgb sky title "kinetic, Δt* = 1", \
      data index one.col using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb red title "collision, Δt* = 0.1", \
@@ -18,7 +24,8 @@ plot lines index rare.kin using 1:2 with lines lw 2 lc rgb blue notitle, \
      data index rare.col using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb red notitle, \
      data index one." chaos".kin using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb blue notitle, \
      data index one." chaos".col using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb red notitle, \
-     NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn"
+     NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn", \
+     NaN with lines lw 1.5 dt 2 lc rgb black title "with memory"
 @lower
 set xlabel "collision frequency Γτ_0" offset 0,0.4
 set yrange [-60:60]

@@ -1,8 +1,11 @@
 # Four quantities (rows) at three steps (columns): deviation over friction x step and density. The deviation of the
-# total is that of the sum of both parts from the sum of eqs. 8 and 12, whose values the first pass keeps.
+# total is that of the sum of both parts from the sum of their theories, whose values the first pass keeps. memory.gp
+# sets `forms` for the theory with memory and draws the same.
+if (!exists("forms")) forms = "ng8 ng12 ng17"
 dts = "0.05 0.2 1"; densities = "1 3 8 20"; couplings = "0.1 0.3 1 3"
 cells = words(dts)*words(densities)*words(couplings)
-array label[4] = ["kinetic viscosity, eq. 8", "collision, eq. 12", "their sum", "diffusion, eq. 17"]
+chaos = word(forms, 1) eq "ng8"
+array label[4] = ["kinetic viscosity".(chaos ? ", eq. 8" : ""), "collision".(chaos ? ", eq. 12" : ""), "their sum", "diffusion".(chaos ? ", eq. 17" : "")]
 array kinetic[cells]; array collision[cells]
 curve(t, n) = "dt=".word(dts, t)." n=".word(densities, n)
 index_of(coupling) = sum [i=1:words(couplings)] (abs(coupling/word(couplings, i) - 1) < 1e-6 ? i : 0)
@@ -10,12 +13,12 @@ place(t, friction) = index_of(friction*word(dts, t))
 slot(t, n, friction) = ((t-1)*words(densities) + n-1)*words(couplings) + place(t, friction)
 theory(t, n, friction) = kinetic[slot(t, n, friction)] + collision[slot(t, n, friction)]
 set table $kept
-plot for [t=1:3] for [n=1:4] data index curve(t, n).":kinetic_viscosity:ng8" using 1:(kinetic[slot(t, n, $1)] = $4), \
-     for [t=1:3] for [n=1:4] data index curve(t, n).":collision_viscosity:ng12" using 1:(collision[slot(t, n, $1)] = $4)
+plot for [t=1:3] for [n=1:4] data index curve(t, n).":kinetic_viscosity:".word(forms, 1) using 1:(kinetic[slot(t, n, $1)] = $4), \
+     for [t=1:3] for [n=1:4] data index curve(t, n).":collision_viscosity:".word(forms, 2) using 1:(collision[slot(t, n, $1)] = $4)
 unset table
 
 part(q, t, n) = q == 3 ? "all:".curve(t, n).":viscosity" : \
-                curve(t, n).":".word("kinetic_viscosity:ng8 collision_viscosity:ng12 - diffusion_constant:ng17", q)
+                curve(t, n).":".word("kinetic_viscosity collision_viscosity - diffusion_constant", q).":".word(forms, q == 4 ? 3 : q)
 # in per cent; columns: x, value, error, theory, deviation, its error, of the sum the first three only
 deviation(q, t, n) = 100*(q == 3 ? column(2)/theory(t, n, column(1)) - 1 : column(5))
 error(q, t, n) = 100*(q == 3 ? column(3)/theory(t, n, column(1)) : column(6))
