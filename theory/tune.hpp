@@ -36,8 +36,9 @@ struct Tuned {
 
 /// A friction, and without `dt` a step between 0.01 and 1 rc (m/kT)^(1/2), at which the theory gives what is
 /// wanted within 0.2 %. Of two frictions with the same viscosity it is the larger, where the fluid is more
-/// like a liquid. Takes up to some ten states, without `dt` some twenty, a second each. Throws std::invalid_argument unless what is wanted is
-/// positive and two numbers, and std::domain_error, with what can be had, where there is no such fluid.
+/// like a liquid. Takes up to some ten states, without `dt` some twenty, a second each. Throws
+/// std::invalid_argument unless what is wanted is positive and two numbers, and std::domain_error, with what
+/// can be had, where there is no such fluid.
 Tuned tune(Gas const& gas, Wanted const& wanted, Weight weight = Weight::linear,
            Scheme scheme = Scheme::shardlow, double box = std::numeric_limits<double>::infinity());
 
