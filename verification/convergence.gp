@@ -14,10 +14,10 @@ set ylabel "relative error" offset 0.5,0
 # with room for the floors; whole decades where none would be labelled
 from = 0.7*first; to = 2.2*last
 if (ceil(log10(from)) > floor(log10(to))) { from = 10**floor(log10(from)); to = 10**ceil(log10(to)) }
-set xrange [from:to]; set yrange [0.3*least:*]
+set xrange [from:to]; set yrange [10**floor(log10(0.3*least)):*]
 set key at screen 0.03,0.345 left top Left reverse maxcols 1 samplen 2 noenhanced nobox font ",".caption_size
 # grey: the slope -1/2 everywhere; floors: bars that begin beyond the last point
 plot for [k=-8:8] 10**(0.5*k)/sqrt(x) noautoscale with lines lw 1 lc rgb "#cccccc" notitle, \
      for [n=1:curves] data index part[n] using 1:2 with lines dt (12, 6) lw 1.8 lc rgb colour[n] notitle, \
-     for [n=1:curves] data index part[n] using 1:3 with linespoints pt symbol[n] lw 1.5 lc rgb colour[n] title legend[n], \
+     for [n=1:curves] data index part[n] using 1:3 with points pt symbol[n] ps 1.2 lw 1.5 lc rgb colour[n] title legend[n], \
      for [n=1:curves] data index "floor:".part[n] using (1.2*$1):($4 > 0 ? $2 : NaN):(0.8*$1):(0) with vectors nohead lw 4 lc rgb colour[n] notitle

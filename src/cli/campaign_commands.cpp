@@ -92,9 +92,19 @@ bool make_figures(std::filesystem::path const& verification, std::vector<std::st
     return agree;
 }
 
+// Judges and draws what is on disk, without a run.
+bool redraw_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
+                    std::string const& budget, CampaignOptions const& options) {
+    for (auto const& id : ids) redraw_figure(load_figure(verification, id, budget), options.output);
+    auto const all = load_comparisons(options.output);
+    bool const agree = dpd::report(all, options.output);
+    print_summary(all, options.output);
+    return agree;
+}
+
 // The study of the integrators, and the figures that are defined beside it.
 bool make_studies(std::filesystem::path const& directory, std::vector<std::string> ids,
-                  std::string const& budget, CampaignOptions const& options) {
+                  std::string const& budget, bool redraw, CampaignOptions const& options) {
     std::string const study = "integrators";
     auto known = figure_ids(directory);
     known.insert(known.begin(), study);
@@ -104,22 +114,15 @@ bool make_studies(std::filesystem::path const& directory, std::vector<std::strin
             throw InputError(
                 fmt::format("work-precision {}: unknown; allowed: all, {}", id, fmt::join(known, ", ")));
     bool const with_study = std::erase(ids, study) > 0;
-    bool const agree = ids.empty() || make_figures(directory, ids, budget, options);
+    bool const agree = ids.empty() || (redraw ? redraw_figures(directory, ids, budget, options)
+                                              : make_figures(directory, ids, budget, options));
     if (with_study) {
         auto studies = load_studies(directory / study, budget);
-        if (!run_studies(studies, options)) return agree;
+        if (redraw)
+            for (auto const& one : studies) draw_study(one, directory / study, options.output);
+        if (redraw || !run_studies(studies, options)) return agree;
         for (auto const& one : studies) write_study(one, budget, directory / study, options.output);
     }
-    return agree;
-}
-
-// The same from what is on disk, without a run.
-bool redraw_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
-                    std::string const& budget, CampaignOptions const& options) {
-    for (auto const& id : ids) redraw_figure(load_figure(verification, id, budget), options.output);
-    auto const all = load_comparisons(options.output);
-    bool const agree = dpd::report(all, options.output);
-    print_summary(all, options.output);
     return agree;
 }
 
@@ -166,13 +169,17 @@ Command figure(CLI::App& app) {
 Command stability(CLI::App& app) {
     auto const campaign = std::make_shared<CampaignChoice>();
     campaign->below = "stability";
+    auto const redraw = std::make_shared<bool>(false);
     auto* const command = app.add_subcommand("stability", "largest steps of the integrators, by bisection");
+    command->add_flag("--redraw", *redraw, "draw again what is on disk; runs nothing");
     campaign->add_to(*command);
-    return {command, [campaign] {
+    return {command, [campaign, redraw] {
                 auto const definition = std::filesystem::path(campaign->verification) / "stability";
                 auto maps = load_stability(definition / "stability.toml", campaign->budget);
                 auto const options = campaign->options();
-                if (find_edges(maps, options))
+                if (*redraw)
+                    draw_stability(maps, definition, options.output);
+                else if (find_edges(maps, options))
                     write_stability(maps, campaign->budget, definition, options.output);
                 return exit_done;
             }};
@@ -183,11 +190,12 @@ Command work_precision(CLI::App& app) {
     chosen->campaign.below = "work-precision";
     auto* const command = app.add_subcommand("work-precision", "errors of the integrators against run time");
     command->add_option("ids", chosen->ids, "integrators, or one of the maps; default all");
+    command->add_flag("--redraw", chosen->redraw, "judge and draw again what is on disk; runs nothing");
     chosen->campaign.add_to(*command);
     return {command, [chosen] {
                 auto const& campaign = chosen->campaign;
                 return make_studies(std::filesystem::path(campaign.verification) / "work-precision",
-                                    chosen->ids, campaign.budget, campaign.options())
+                                    chosen->ids, campaign.budget, chosen->redraw, campaign.options())
                            ? exit_done
                            : exit_disagrees;
             }};

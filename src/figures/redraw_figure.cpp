@@ -8,6 +8,7 @@
 #include "errors.hpp"
 #include "theory/registry.hpp"
 #include "theory_arguments.hpp"
+#include "write_convergence.hpp"
 #include "write_figure.hpp"
 
 namespace dpd {
@@ -69,6 +70,9 @@ std::vector<Comparison> redraw_figure(Figure const& definition, std::filesystem:
     }
     finish_point();
     rewrite_figure(definition, comparisons, written, output);
+    Figure companion = definition;
+    companion.convergence = load_convergence(definition, output);
+    draw_convergence(companion, written.budget, output);
     return comparisons;
 }
 

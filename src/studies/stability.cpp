@@ -577,6 +577,14 @@ void write_stability(std::vector<StabilityMap> const& maps, std::string const& b
         write_file(output / "data" / (map.name + ".dat"), data_of(map, budget));
         write_file(output / "data" / (map.name + ".json"), json_of(map, budget).dump(1) + "\n");
     }
+    draw_stability(maps, directory, output);
+}
+
+void draw_stability(std::vector<StabilityMap> const& maps, std::filesystem::path const& directory,
+                    std::filesystem::path const& output) {
+    for (auto const& map : maps)
+        if (auto const data = output / "data" / (map.name + ".dat"); !std::filesystem::exists(data))
+            throw InputError(fmt::format("{}: there is none; `dpdref stability` makes it", data.string()));
     for (auto const& map : maps)
         for (auto const& plot : map.plots)
             draw(output / plot, directory / (plot + ".gp"),

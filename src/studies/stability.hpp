@@ -144,4 +144,8 @@ bool find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options)
 void write_stability(std::vector<StabilityMap> const& maps, std::string const& budget,
                      std::filesystem::path const& directory, std::filesystem::path const& output);
 
+/// The pictures alone, of the data in `output`; InputError where there are none.
+void draw_stability(std::vector<StabilityMap> const& maps, std::filesystem::path const& directory,
+                    std::filesystem::path const& output);
+
 }  // namespace dpd

@@ -621,7 +621,14 @@ void write_study(Study const& study, std::string const& budget, std::filesystem:
         order_table(study, reference, methods));
     write_file(output / "data" / (study.name + ".md"), table);
     fmt::print("{}\n\n{}\n", study.title, table);
+    draw_study(study, directory, output);
+}
 
+void draw_study(Study const& study, std::filesystem::path const& directory,
+                std::filesystem::path const& output) {
+    auto const data = output / "data" / (study.name + ".dat");
+    if (!std::filesystem::exists(data))
+        throw InputError(fmt::format("{}: there is none; `dpdref work-precision` makes it", data.string()));
     std::string names, observables, labels;
     for (auto const& name : study.integrators) names += (names.empty() ? "" : ",") + quoted(name);
     for (auto const& o : study_observables()) {
@@ -629,11 +636,10 @@ void write_study(Study const& study, std::string const& budget, std::filesystem:
         labels += (labels.empty() ? "" : ",") + quoted(o.label);
     }
     std::string const definitions = fmt::format(
-        "script_directory = {}\ndata = {}\ntitle_text = {}\norigin = {}\narray names[{}] = [{}]\n"
+        "script_directory = {}\ndata = {}\ntitle_text = {}\narray names[{}] = [{}]\n"
         "array observables[{}] = [{}]\narray labels[{}] = [{}]\n",
-        quoted_path(directory), quoted_path(data), quoted(study.title), quoted(origin),
-        study.integrators.size(), names, study_observables().size(), observables, study_observables().size(),
-        labels);
+        quoted_path(directory), quoted_path(data), quoted(study.title), study.integrators.size(), names,
+        study_observables().size(), observables, study_observables().size(), labels);
     for (char const* picture : {"step", "time", "total"})
         draw(output / fmt::format("{}-{}", study.name, picture), directory / (std::string(picture) + ".gp"),
              definitions, 1000, 1250);

@@ -99,4 +99,8 @@ bool run_studies(std::vector<Study>& studies, CampaignOptions const& options);
 void write_study(Study const& study, std::string const& budget, std::filesystem::path const& directory,
                  std::filesystem::path const& output);
 
+/// The pictures alone, of the data in `output`; InputError where there are none.
+void draw_study(Study const& study, std::filesystem::path const& directory,
+                std::filesystem::path const& output);
+
 }  // namespace dpd

@@ -1,4 +1,5 @@
-# Velocity autocorrelations, their exponentials, the tail; below, the moment that is 1 for an exponential.
+# Velocity autocorrelations, their exponentials, the tail; below, the moment that is 1 for an exponential, against the
+# strength of the potential and against the density.
 names = "a=5 a=25 a=100"
 array colour[3] = [blue, green, red]
 c(n) = "all:C(t), ".word(names, n).":velocity_autocorrelation"
@@ -23,11 +24,21 @@ plot for [n=1:3] data index e(n) using 1:2 with lines dt 2 lw 1.5 lc rgb colour[
 unset xlabel
 @lower
 set tmargin at screen 0.455
-set xlabel "potential strength a; density n* (times 10)" offset 0,0.4
+unset key
+set yrange [0.8:2.6]; set ytics 0.4
+set rmargin at screen 0.54
+set xlabel "potential strength a" offset 0,0.4
 set ylabel "moment" offset 0.5,0
-set xrange [0:105]; set yrange [0.8:2.6]; set xtics auto
-set key top left
-plot 1 with lines lw 2 lc rgb grey notitle, \
-     data index "all:strength:correlation_moment" using 1:2:3 with yerrorlines pt 7 lw 1.5 lc rgb red title "against a, n* = 3", \
-     data index "all:density:correlation_moment" using (10*$1):2:3 with yerrorlines pt 5 lw 1.5 lc rgb blue title "against n*, a = 25"
+set xrange [0:105]; set xtics 25
+set label 2 "n* = 3" at graph 0.06,0.88
+plot 1 with lines lw 2 lc rgb grey, \
+     data index "all:strength:correlation_moment" using 1:2:3 with yerrorlines pt 7 lw 1.5 lc rgb red
+set lmargin at screen 0.58; set rmargin at screen 0.965
+unset label 1; unset ylabel; set format y ""
+set xlabel "density n*"
+set xrange [0:6.5]; set xtics 1
+set label 2 "a = 25"
+plot 1 with lines lw 2 lc rgb grey, \
+     data index "all:density:correlation_moment" using 1:2:3 with yerrorlines pt 5 lw 1.5 lc rgb blue
 @finish
+unset label 2

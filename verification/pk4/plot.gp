@@ -6,7 +6,7 @@ all(part, quantity) = "all:".word(parts, part).":".quantity
 @upper
 set logscale xy
 set xrange [0.9:22]; set yrange [0.05:20]
-set xtics (1, 2, 3, 5, 7, 10, 13, 17, 20)
+set xtics (1, 2, 3, 5, 7, 10, 13, 20)
 set ylabel "speed (DPD units)" offset 0.5,0
 set key bottom right maxrows 4
 # as vectors from point to point, which also join the two parts of the line

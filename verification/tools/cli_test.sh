@@ -8,7 +8,8 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 data=$(realpath "$(dirname "$0")/../data/damaged")
 trials=$(realpath "$(dirname "$0")/../trials")
-answers=$(realpath "$(dirname "$0")/../../figures/answers/answers.json")
+figures=$(realpath "$(dirname "$0")/../../figures")
+answers=$figures/answers/answers.json
 cd "$work" || exit 99
 failures=0
 
@@ -345,6 +346,16 @@ TOML
     expect 0 -- "${redraw[@]}"
     check "--redraw: other numbers" cmp first.dat tiny/data/tiny.dat
     expect 2 "there is none" -- figure tiny --verification definitions --out nowhere --redraw
+    for study in stability "work-precision integrators"; do
+        name=${study% *}
+        mkdir -p "redrawn/$name" && cp -r "$figures/$name/data" "redrawn/$name"
+        # shellcheck disable=SC2086 # a command and an id
+        expect 0 -- $study --verification "$figures/../verification" --budget paper --redraw --out "redrawn/$name"
+        check "$name --redraw: other data" diff -r "$figures/$name/data" "redrawn/$name/data"
+        [ -n "$(find "redrawn/$name" -name '*.png')" ] || fail "$name --redraw: no picture"
+        # shellcheck disable=SC2086
+        expect 2 "there is none" -- $study --verification "$figures/../verification" --budget paper --redraw --out nowhere
+    done
     expect 0 -- report --figures tiny
     grep -q '^1 comparisons: 1 agree' out || fail "report: $(tail -1 out)"
     check "report: no table" test -s tiny/report.csv -a -s tiny/report.json

@@ -35,7 +35,7 @@ unset title
 set tmargin at screen 0.555; set bmargin at screen 0.28
 set xtics () scale 0
 do for [k=1:4] { do for [i=1:words(settings[k])] { set xtics add (word(settings[k], i) start[k]+i-1) } }
-do for [k=1:4] { set label 10+k what[k] at start[k]+0.5*(words(settings[k])-1), screen 0.235 center font small }
+do for [k=1:4] { set label 10+k what[k] at start[k]+0.5*(words(settings[k])-1), screen 0.225 center font small }
 set label 1 caption at screen 0.025,0.115 noenhanced font ",".caption_size
 set logscale y; set yrange [0.3:6000]
 set ylabel "figure of merit (1/s)" offset 0.5,0

@@ -1,5 +1,5 @@
 # Seven panels, one per observable, and the key in the eighth place. Before it is loaded: draw(o), a string with what is
-# plotted of observable o.
+# plotted of observable o; shown, a list of the integrators in it.
 unset logscale
 set logscale xy
 set format y "%g"
@@ -19,5 +19,5 @@ unset title; unset border; unset tics; unset xlabel; unset ylabel
 set key center center vertical maxrows 10 samplen 2 spacing 1.25 nobox
 set xrange [0:1]; set yrange [1:2]
 unset logscale
-plot for [n = 1:|names|] NaN with linespoints lw 1.6 pt (4 + n) ps 0.7 lc rgb colours[n] title names[n]
+plot for [n in shown] NaN with linespoints lw 1.6 pt (4 + n) ps 0.7 lc rgb colours[n+0] title names[n+0]
 unset multiplot

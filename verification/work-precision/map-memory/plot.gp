@@ -19,10 +19,10 @@ set yrange [cells+0.7:0.3]; set xrange [-15:25]
 set xlabel "simulation over theory, less 1 (%)" offset 0,0.4
 unset mytics
 set ytics scale 0 () font ",".(caption_size - 1)
-do for [c=1:cells] { set ytics add (curve(c) c) }
+do for [c=1:cells] { set ytics add (system("echo '".curve(c)."' | sed 's/d=\\([23]\\)/\\1D,/; s/n=\\([0-9.]*\\)/n = \\1,/; s/ dt=/, Δt = /; s/lowe/Lowe-Andersen/'") c) }
 set object 1 rectangle from -8,0.3 to 8,cells+0.7 fc rgb "#eeeeee" fs solid noborder behind
 set arrow 1 from 0,0.3 to 0,cells+0.7 nohead lc rgb grey back
-set key at screen 0.97,0.94 right top horizontal maxrows 1 samplen 1 nobox font ",".caption_size
+set key at screen 0.665,0.92 center center horizontal maxrows 1 samplen 1 width 1 nobox font ",".caption_size
 plot for [q=1:3] for [c=1:cells] data index part(c, q) using (100*$5):(c + 0.24*(q-2)):(100*$6) with xerrorbars pt mark[q] ps 0.8 lw 1.5 lc rgb colour[q] notitle, \
-     NaN with points pt 7 lc rgb red title "kinetic viscosity", NaN with points pt 5 lc rgb blue title "collision viscosity", NaN with points pt 9 lc rgb green title "D"
+     NaN with points pt 7 lc rgb red title "kinetic viscosity", NaN with points pt 5 lc rgb blue title "collision viscosity", NaN with points pt 9 lc rgb green title "diffusion constant"
 unset multiplot

@@ -29,6 +29,7 @@ do for [m=1:2] {
   set label 2 (m == 1 ? "moved after the kick" : "moved with the momentum from before the kick") at graph 0.995,0.93 right font small
   unset xtics
   if (m == 2) {
+    unset label 4
     set xtics () scale 0 font small
     do for [i=1:words(steps)] { set xtics add (sprintf("%s\n%.3g", word(steps, i), friction*word(steps, i)) i) }
     set label 3 "Δt\nγΔt/m" at screen 0.095,0.468 right font small
@@ -38,13 +39,13 @@ do for [m=1:2] {
 }
 
 set tmargin at screen 0.405; set bmargin at screen 0.215
-unset title; unset label 2; unset label 3; unset label 4
+unset title; unset label 2; unset label 3
 set grid back ls 100
 set xtics auto scale 0.8 font ""; set format x "%g"; set mxtics; set ytics auto; set mytics
-set xrange [0:1]; set yrange [-15:10]
+set xrange [0:1]; set yrange [-20:10]
 set xlabel "step over critical step" offset 0,0.5
 set ylabel "deviation (%)" offset 0.5,0
-set key bottom right maxrows 2 font tiny
+set key bottom right maxrows 2 samplen 1 font tiny
 set label 1 caption at screen 0.025,0.115 noenhanced font ",".caption_size
 fraction(theory) = 1 - 1/theory
 plot 0 with lines lw 2 lc rgb grey notitle, \

@@ -29,7 +29,7 @@ plot lines index "exponential:diffusion_constant:ng17-limit" using 1:2 with line
 @lower
 set xlabel "friction γ*" offset 0,0.4
 set yrange [-4:18]; set ytics auto
-set ylabel "from exponential (%)" offset 0.5,0
+set ylabel "deviation (%)" offset 0.5,0
 set key top left
 plot 0 with lines lw 2 lc rgb red notitle, \
      data index part("S1") using ($1*0.97):(deviation($1, $2)):(relative($1, $3)) with yerrorbars pt 5 lw 1.5 lc rgb purple title "S1", \
