@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cfenv>
 #include <charconv>
 #include <climits>
@@ -32,6 +33,16 @@ inline constexpr long double std::numbers::pi_v<long double> = 3.141592653589793
 #ifndef FE_OVERFLOW
 #define FE_OVERFLOW 0
 #define FE_UNDERFLOW 0
+#endif
+
+// The bits of a number as another type, which libc++ has from its version 14 on; emscripten's is older.
+#ifndef __cpp_lib_bit_cast
+namespace std {
+template <class To, class From>
+constexpr To bit_cast(From const& from) noexcept {
+  return __builtin_bit_cast(To, from);
+}
+}  // namespace std
 #endif
 
 // A number from text, which libc++ 14 has for integers only.
