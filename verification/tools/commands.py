@@ -7,7 +7,8 @@ command must end with exit code 0 and print something, within a limit of CPU tim
 the other, as on the page, and what README.md exports is there for all of them. What they leave behind must be ignored by
 git, where there is git. RULES lists those that are not run as
 they stand, what runs in their place, and why. Blocks of docs/*.md whose first line is "# file: figure.toml" or
-"# file: plot.gp" become the figure that the page's `dpdref figure ID` draws.
+"# file: plot.gp" become the figure that the page's `dpdref figure ID` draws. A fenced block "output" holds lines that the
+command before it prints.
 
 usage: commands.py --build BUILD         all of this; BUILD holds the built program
        commands.py --build BUILD --tutorial   docs/adding_a_stage.md: its pieces of code, put where it says into a copy
@@ -89,7 +90,7 @@ RULES = [
     (r"(dpdref theory) ([\w-]+)", r"\1 | grep '^\2 '", NAMED),
     (r"(dpdref tune) eta=.* Sc=.*", r"\1 eta=1.5 n=3 2>&1 | grep allowed", f"{LONG}; reads the arguments only"),
     (r"(dpdref (?:run|figure|compare|export lammps|tune))", r"\1 --help", NAMED),
-    (r"(dpdref compare) \S+ (--answer (\S+))",
+    (r"(dpdref compare) \S+ (--answer (\S+))(?: --as .*)?",
      r"(echo quantity,value,error,blocks; grep '^\3,' figures/answers/answers.csv | cut -d, -f2-5) > build/own.csv && "
      r"\1 build/own.csv \2",
      "needs another code's output; the answer's own numbers must agree"),
@@ -151,6 +152,17 @@ def commands_of(text):
                     yield " ".join(span.split())
 
 
+def outputs_of(text):
+    """command -> lines of the block "output" right behind it"""
+    shown, last = {}, None
+    for kind, lines in blocks_of(text):
+        if kind == "output":
+            shown[last] = lines
+        elif kind == "sh":
+            last = parts_of(joined(lines)[-1])[-1]
+    return shown
+
+
 def scene_beside(file, text):
     """The page's next block, after it names the file, that holds a scene"""
     after = text[text.index(file):].partition("\n")[2]
@@ -181,11 +193,12 @@ def pages(root):
 
 
 def collect(root, generated=()):
-    """[(page, command)] without repetition, scenes {file: text}, figures {id: {file: text}}"""
-    found, scenes, figures = {}, {}, {}
+    """[(page, command)] without repetition, scenes {file: text}, figures {id: {file: text}}, outputs {command: lines}"""
+    found, scenes, figures, outputs = {}, {}, {}, {}
     for page in [*pages(root), *generated]:
         text = page.read_text(encoding="utf-8")
         commands = list(commands_of(text))
+        outputs |= outputs_of(text)
         for command in commands:
             found.setdefault(command, page.name if page in generated else str(page.relative_to(root)))
             file = re.match(r"dpdref run (\S+\.toml)", command)
@@ -200,7 +213,7 @@ def collect(root, generated=()):
             figures[ids[0] if ids else page.stem] = files
             if not ids:
                 found.setdefault(f"dpdref figure {page.stem} --budget quick", str(page.relative_to(root)))
-    return [(found[command], command) for command in found], scenes, figures
+    return [(found[command], command) for command in found], scenes, figures, outputs
 
 
 # --- running
@@ -283,7 +296,7 @@ def left_behind(root):
 
 
 def all_commands(root, configured):
-    commands, scenes, figures = collect(root, generated_pages(root))
+    commands, scenes, figures, outputs = collect(root, generated_pages(root))
     for file, text in scenes.items():
         (root / file).write_text(text + "\n", encoding="utf-8")
     for name, files in figures.items():
@@ -301,6 +314,8 @@ def all_commands(root, configured):
         wrong, output = run(instead, root)
         if wrong and "--target docs" in command and "No target docs" in configured:
             wrong, reason = None, "no Doxygen here, so no target docs"
+        if missing := set(outputs.get(command, ())) - set(output.splitlines()):
+            wrong = wrong or f"does not print {min(missing)!r}"
         counts["failed" if wrong else "rule" if reason else "ok"] += 1
         show(f"rule ({reason})" if reason else "ok", command, page, wrong, output)
     for file in left_behind(root):
@@ -426,7 +441,7 @@ def main(arguments):
     parser.add_argument("--list", action="store_true", help="list the commands of README.md, docs/ and theory/")
     options = parser.parse_args(arguments)
     if options.list:
-        commands, _, figures = collect(ROOT)
+        commands, _, figures, _ = collect(ROOT)
         for page, command in commands:
             instead, reason = in_place_of(command, figures)
             print(f"{page}: {command}" + (f"\n    runs: {instead}\n    why: {reason}" if reason else ""))
