@@ -9,7 +9,7 @@ set key top left
 set arrow 1 from 0.6897,0.4 to 0.6897,20 nohead dt 2 lw 1.5 lc rgb grey
 plot lines index chaos using 1:2 with lines lw 2 lc rgb grey title "eq. 22", \
      data index chaos using 1:2:3 with yerrorbars pt 6 ps 1.2 lw 1.5 lc rgb blue title "positions redrawn", \
-     for [part in "fluid edge"] data index part.":kinetic_temperature:my22" using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb red title part eq "fluid" ? "fluid" : ""
+     for [part in "fluid edge onset"] data index part.":kinetic_temperature:my22" using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb red title part eq "fluid" ? "fluid" : ""
 @lower
 unset arrow 1
 set xlabel "density" offset 0,0.4
@@ -17,5 +17,5 @@ set yrange [-20:20]
 unset key
 plot 0 with lines lw 2 lc rgb grey, \
      data index chaos using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.2 lw 1.5 lc rgb blue, \
-     for [part in "fluid edge"] data index part.":kinetic_temperature:my22" using 1:(100*$5):(100*$6) with yerrorbars pt 7 lw 1.5 lc rgb red
+     for [part in "fluid edge onset"] data index part.":kinetic_temperature:my22" using 1:(100*$5):(100*$6) with yerrorbars pt 7 lw 1.5 lc rgb red
 @finish
