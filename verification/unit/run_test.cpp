@@ -533,18 +533,18 @@ BOOST_AUTO_TEST_CASE(blocks_that_double_end_as_eighths_of_the_run) {
 
 BOOST_AUTO_TEST_CASE(a_run_until_errors_are_small_resumes_exactly) {
     for (int const d : {2, 3}) {
-        Scene const fixed = scene_of({d, "shardlow", 0.5});
-        // what is reached at the first look, after the very first, at which there is an error
-        double duration = 2.0, wanted = INFINITY;
-        while (!std::isfinite(wanted)) {
-            duration *= 2.0;
+        Scene const fixed = lasting(scene_of({d, "shardlow", 0.5}), 0.7);
+        auto const error_after = [&](double duration) {
             Record const record = run(lasting(fixed, duration)).record;
-            wanted = 1.01 *
-                     errors_wanted(with(fixed, {"time.until.kinetic_temperature=0.1"}), record).at(0).error();
-        }
-        Scene const scene = with(fixed, {"time.until.kinetic_temperature=" + std::to_string(wanted)});
+            return errors_wanted(with(fixed, {"time.until.pair_density=0.1"}), record).at(0).error();
+        };
+        // g(r) has samples in all blocks at the second look, not at the first
+        double const duration = 1.4, wanted = 1.01 * error_after(duration);
+        BOOST_TEST(error_after(0.7) == INFINITY);
+        BOOST_TEST(wanted < 1.0);
+        Scene const scene = with(fixed, {"time.until.pair_density=" + std::to_string(wanted)});
         RunResult const whole = run(scene);
-        BOOST_TEST(whole.duration == duration);
+        BOOST_TEST(std::llround(whole.duration / scene.time_step) == 28);
         auto const output = file("until.h5");
         RunResult pieces;
         std::uint64_t interruptions = 0;
@@ -560,10 +560,10 @@ BOOST_AUTO_TEST_CASE(a_run_until_errors_are_small_resumes_exactly) {
         Archive archive(output, Archive::Mode::read);
         double measured = 0.0, asked = 0.0, reached = 0.0;
         archive("dpdref/until/duration", measured);
-        archive("dpdref/until/kinetic_temperature/wanted", asked);
-        archive("dpdref/until/kinetic_temperature/reached", reached);
+        archive("dpdref/until/pair_density/wanted", asked);
+        archive("dpdref/until/pair_density/reached", reached);
         BOOST_TEST(measured == whole.duration);
-        BOOST_TEST(asked == scene.until->errors.at("kinetic_temperature"));
+        BOOST_TEST(asked == scene.until->errors.at("pair_density"));
         BOOST_TEST(reached == whole.errors.at(0).error());
         std::filesystem::remove(output);
     }
