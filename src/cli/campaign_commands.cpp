@@ -59,7 +59,7 @@ struct CampaignChoice {
 void print_summary(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
     std::map<Verdict, std::vector<std::string>> figures;
     for (auto const& one : comparisons) {
-        auto& of_verdict = figures[judge(one, comparisons.size())];
+        auto& of_verdict = figures[judge(one, family_of(comparisons))];
         if (of_verdict.empty() || of_verdict.back() != one.figure) of_verdict.push_back(one.figure);
     }
     fmt::print("pictures: {}; all numbers: {}\n", (output / "*.png").string(),

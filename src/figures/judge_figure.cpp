@@ -114,6 +114,11 @@ double false_alarm_of_one(std::size_t family) {
 
 }  // namespace
 
+std::size_t family_of(std::vector<Comparison> const& comparisons) {
+    return static_cast<std::size_t>(std::count_if(comparisons.begin(), comparisons.end(),
+                                                  [](auto const& c) { return !c.criterion.description; }));
+}
+
 Verdict judge(Comparison const& comparison, std::size_t family) {
     auto const& criterion = comparison.criterion;
     double const false_alarm = false_alarm_of_one(family);

@@ -21,6 +21,9 @@ std::optional<Comparison> compare_point(Figure const& figure, std::size_t p, Cri
 /// Probability that any comparison of a report disagrees by chance although all are true.
 inline constexpr double family_false_alarm = 0.01;
 
+/// How many comparisons share that: all but descriptions, which were set after looking and never agree.
+std::size_t family_of(std::vector<Comparison> const& comparisons);
+
 /// Verdict of one among `family` comparisons.
 Verdict judge(Comparison const& comparison, std::size_t family);
 

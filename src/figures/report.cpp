@@ -176,7 +176,7 @@ bool report(std::vector<Comparison> const& comparisons, std::filesystem::path co
     std::vector<Row> rows;
     std::map<std::string_view, std::size_t> count;
     for (auto const& comparison : comparisons) {
-        rows.push_back(row_of(comparison, comparisons.size()));
+        rows.push_back(row_of(comparison, family_of(comparisons)));
         ++count[verdict_text(rows.back().verdict, rows.back().kind)];
     }
     print_table(rows);

@@ -82,7 +82,7 @@ std::string compared(std::vector<Comparison> const& comparisons) {
             fmt::format("{:.10g} {:.10g} {:.4g} {:.10g} {:.6g} {:.4g} {} {} {:.1f}\n", c.x, c.estimate.value,
                         c.estimate.error, c.theory, (c.estimate.value - c.theory) * scale,
                         std::hypot(c.estimate.error, c.theory_error) * std::abs(scale), c.estimate.blocks,
-                        name_of(judge(c, comparisons.size())), c.seconds);
+                        name_of(judge(c, family_of(comparisons))), c.seconds);
     }
     std::string text;
     for (auto const& name : order) text += fmt::format("# {}\n{}\n\n", name, blocks[name]);

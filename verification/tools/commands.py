@@ -50,6 +50,8 @@ RULES = [
     (r"cmake --preset \w+ --toolchain (\S+) -DDPDREF_SYSROOT=FOLDER", r"ls \1",
      "needs a cross compiler; the file must exist"),
     # Definitions are read before the cache is made, here below a file, which fails: no run begins.
+    (r"(dpdref (?:figure|stability|work-precision) .*--redraw.*)", r"\1 --help", "judges all figures again; cli_test redraws"),
+    (r"(dpdref report)", r"\1 || [ $? -eq 1 ]", "exit code 1 where a comparison disagrees, which is a result"),
     (r"(dpdref (?:figure (?!ID)|stability|work-precision|answers).*)", r"\1 --cache LICENSE/x 2>&1 | grep 'LICENSE/x'",
      f"{LONG}; reads the definitions only (figure_test runs small ones)"),
     (r"(dpdref run .* --set time\.duration=5000)", r"\1 --set time.duration=5 --set time.equilibration=1",
@@ -71,6 +73,7 @@ RULES = [
      f"{LONG}; its shortest scene"),
     (r"(python3 verification/tools/race\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
     (r"(python3 verification/calibration/calibrate\.py) .*", r"\1 --help", LONG),
+    (r"(python3 verification/orders/orders\.py) .*", r"\1 --help", LONG),
     (r"(python3 verification/tools/record\.py) .*", r"\1 --help", f"{LONG}, and needs the benchmark"),
     (r"(python3 verification/tools/cost\.py \S+)", r"\1 --only free --repetitions 1", f"{LONG}; its cheapest scenes"),
     (r"(python3 verification/lammps/prove\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),

@@ -99,7 +99,7 @@ test_on_arm() {
         unset CXX
         cd "$scratch/dpdref"
         cmake --preset ci --toolchain verification/tools/aarch64.cmake -DDPDREF_SYSROOT="$root" &&
-            cmake --build --preset ci --target engine_test exact_test && ctest --preset ci -R '^(engine|exact)$'
+            cmake --build --preset ci --target engine_test exact_test dpdref bits_of_state && ctest --preset ci -R '^(engine|exact|bits)$'
     )
 }
 

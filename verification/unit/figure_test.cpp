@@ -755,6 +755,8 @@ struct MadeRuns {
                 auto& run = runs[point.runs[r].key()];
                 run.record = record(point, r);
                 run.seconds = seconds;
+                run.duration = double(figure.points.front().runs.front().production_steps) *
+                               figure.points.front().runs.front().time_step;
             }
         for (auto const& [key, run] : runs) results[key] = &run;
     }
