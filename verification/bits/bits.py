@@ -124,7 +124,7 @@ def in_node(build):
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--under", type=shlex.split, default=[])
     for flag in ("--node", "--write", "--quiet"):
