@@ -581,6 +581,14 @@ BOOST_AUTO_TEST_CASE(a_run_whose_errors_stay_large_ends_at_its_greatest_duration
     BOOST_TEST(with(fixed, {"time.until.kinetic_temperature=0.1", "time.longest=8.0"}).steps() == 5u + 160u);
 }
 
+BOOST_AUTO_TEST_CASE(a_run_whose_errors_are_small_at_its_least_duration_ends_there) {
+    Scene const fixed = with(lasting(scene_of({2, "shardlow", 0.0}), 32.0), {"sample.interval=1"});
+    RunResult const result = run(with(fixed, {"time.until.kinetic_temperature=0.5"}));
+    BOOST_TEST(result.duration == 32.0);
+    BOOST_TEST(result.errors.at(0).reached());
+    BOOST_TEST(same(result.record, run(fixed).record));
+}
+
 BOOST_AUTO_TEST_CASE(the_rule_is_part_of_the_key) {
     Scene const fixed = scene_of({2, "shardlow", 0.0});
     Scene const one = with(fixed, {"time.until.kinetic_temperature=0.1"});
