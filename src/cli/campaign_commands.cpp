@@ -58,8 +58,9 @@ struct CampaignChoice {
 // Where the figures are, and which to look at first: one that disagrees, or else one that is undecided.
 void print_summary(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
     std::map<Verdict, std::vector<std::string>> figures;
+    std::size_t const family = family_of(comparisons);
     for (auto const& one : comparisons) {
-        auto& of_verdict = figures[judge(one, family_of(comparisons))];
+        auto& of_verdict = figures[judge(one, family)];
         if (of_verdict.empty() || of_verdict.back() != one.figure) of_verdict.push_back(one.figure);
     }
     fmt::print("pictures: {}; all numbers: {}\n", (output / "*.png").string(),

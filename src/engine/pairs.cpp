@@ -128,13 +128,10 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
         c[1] = cells_[1];
         images_.push_back({static_cast<std::uint32_t>(p), take_place(c)});
     }
-    int const along = cells_[contiguous], stride = row_length();
-    int const end = static_cast<int>(cell_begin_.size()) - 1;
-    int* const count = cell_begin_.data() + 1;
-    for (int row = 0; row < end; row += stride) {
-        std::copy_n(count + row + along, reach, count + row);
-        std::copy_n(count + row + reach, reach, count + row + reach + along);
-    }
+    for_each_row_of_cells([count = cell_begin_.data() + 1](int first, int last) {
+        std::copy_n(count + last - reach, reach, count + first - reach);
+        std::copy_n(count + first, reach, count + last);
+    });
     std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
 
     // Within a cell by ids: the order of a list is that of positions and ids, and knows nothing of
@@ -175,10 +172,10 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
                            sorted_[axis].begin() + target, [by](float x) { return x + by; });
         }
     };
-    for (int row = 0; row < end; row += stride) {
-        copy_cells(row + along, row, -box.length[contiguous]);
-        copy_cells(row + reach, row + reach + along, box.length[contiguous]);
-    }
+    for_each_row_of_cells([&](int first, int last) {
+        copy_cells(last - reach, first - reach, -box.length[contiguous]);
+        copy_cells(first, last, box.length[contiguous]);
+    });
 }
 
 // All pairs whose first member lies in layer y, with partners where `partners` says. Half of the

@@ -175,8 +175,9 @@ std::string summary_of(std::vector<Row> const& rows) {
 bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
     std::vector<Row> rows;
     std::map<std::string_view, std::size_t> count;
+    std::size_t const family = family_of(comparisons);
     for (auto const& comparison : comparisons) {
-        rows.push_back(row_of(comparison, family_of(comparisons)));
+        rows.push_back(row_of(comparison, family));
         ++count[verdict_text(rows.back().verdict, rows.back().kind)];
     }
     print_table(rows);

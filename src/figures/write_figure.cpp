@@ -74,6 +74,7 @@ std::string theory_lines(Figure const& figure, std::vector<Comparison> const& co
 std::string compared(std::vector<Comparison> const& comparisons) {
     std::map<std::string, std::string> blocks;
     std::vector<std::string> order;
+    std::size_t const family = family_of(comparisons);
     for (auto const& c : comparisons) {
         std::string const name = part_name(c.curve, c.criterion);
         if (!blocks.contains(name)) order.push_back(name);
@@ -82,7 +83,7 @@ std::string compared(std::vector<Comparison> const& comparisons) {
             fmt::format("{:.10g} {:.10g} {:.4g} {:.10g} {:.6g} {:.4g} {} {} {:.1f}\n", c.x, c.estimate.value,
                         c.estimate.error, c.theory, (c.estimate.value - c.theory) * scale,
                         std::hypot(c.estimate.error, c.theory_error) * std::abs(scale), c.estimate.blocks,
-                        name_of(judge(c, family_of(comparisons))), c.seconds);
+                        name_of(judge(c, family)), c.seconds);
     }
     std::string text;
     for (auto const& name : order) text += fmt::format("# {}\n{}\n\n", name, blocks[name]);

@@ -51,8 +51,7 @@ Recorder<d>::Recorder(SampleParameters parameters, Simulation<d> const& simulati
     // The blocks begin short and double until they span the run, so that a run that ends after half as many
     // steps, or a quarter, has summed the same numbers in the same order: both begin with the same odd
     // number of steps.
-    span_ = std::max<std::uint64_t>(1, parameters_.steps - parameters_.equilibration);
-    span_ >>= std::countr_zero(span_);
+    span_ = production() >> std::countr_zero(production());
     auto& series = record_.series;
     for_each_series([&](auto const& row) {
         if (parameters_.observables.contains(row.observable) &&
@@ -361,9 +360,7 @@ void Recorder<d>::archive(Archive& archive) {
                                   time_step_);
     }
     archive("checkpoint/blocks/span", span_);
-    std::uint64_t const production =
-        std::max<std::uint64_t>(1, parameters_.steps - parameters_.equilibration);
-    if (span_ == 0 || production % span_ != 0 || !std::has_single_bit(production / span_))
+    if (span_ == 0 || production() % span_ != 0 || !std::has_single_bit(production() / span_))
         archive.refuse("checkpoint/blocks/span", "is not that of a run of this length");
     if (parameters_.mean_square_displacement)
         archive_origins(archive, "mean_square_displacement", displacement_origins_);

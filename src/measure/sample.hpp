@@ -2,6 +2,7 @@
 /// Observables: what a scene asks to be measured, sampled between the thermostat and the drift.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -130,6 +131,10 @@ private:
     void correlate(Simulation<d> const&, CorrelationParameters const&, std::string const& name,
                    std::vector<Origin>&, Value value, Product product);
     Eigen::Index block_of(std::uint64_t step) const;
+    // Steps in which samples are taken, or the most that there may be.
+    std::uint64_t production() const {
+        return std::max<std::uint64_t>(1, parameters_.steps - parameters_.equilibration);
+    }
     void archive_origins(Archive& archive, std::string const& name, std::vector<Origin>& origins);
     void check(Archive const& archive, Record const& expected) const;
 

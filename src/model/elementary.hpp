@@ -32,10 +32,12 @@ inline double logarithm(double u) {
     return e * std::numbers::ln2 + (s + s) * series;
 }
 
+/// ln 2 in two parts; a product of the higher one with an integer below 2^20 is exact.
+inline constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
+
 /// 1 - e^-y for y >= 0, to 3 units in the last place, without a branch: e^-y = 2^-n e^-r with |r| <= ln(2)/2
 /// and 1 - e^-r = r(1 - r/2 (1 - r/3 (...))).
 inline double one_minus_exponential(double y) {
-    constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;  // n ln2_high is exact
     constexpr double integer = 0x1.8p52;  // a sum with it has an integer in its last bits
     double const z = y < 64.0 ? y : 64.0;
     double const shifted = z * std::numbers::log2e + integer, n = shifted - integer;
@@ -50,7 +52,6 @@ inline double one_minus_exponential(double y) {
 
 /// e^x for |x| < 700, to 3 units in the last place.
 inline double exponential(double x) {
-    constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
     double const n = std::round(x * std::numbers::log2e);
     double const r = (x - n * ln2_high) - n * ln2_low;
     double series = 1.0;  // e^r = 1 + r(1 + r/2 (1 + r/3 (...)))

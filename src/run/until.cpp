@@ -63,19 +63,20 @@ std::string progress_text(std::vector<ErrorWanted> const& errors) {
     return worst == errors.end() ? "" : worst->text();
 }
 
-void check_errors_wanted(Scene const& scene, Record empty) {
+void check_errors_wanted(Scene const& scene, Record const& empty) {
     if (!scene.until) return;
-    // made-up samples: which quantities they give does not depend on their values
-    for (auto& [name, values] : empty.series) {
+    Record made_up = empty;
+    // which quantities samples give does not depend on their values
+    for (auto& [name, values] : made_up.series) {
         values.resize(std::size_t(curve_blocks) * (scene.sample.green_kubo_window + least_blocks));
         for (std::size_t k = 0; k < values.size(); ++k) values[k] = 1.0 + double(k % 2);
     }
-    for (auto& [name, curve] : empty.curves) {
+    for (auto& [name, curve] : made_up.curves) {
         curve.sum.setOnes();
         curve.weight.setOnes();
     }
     std::vector<std::string> names;
-    for (auto const& quantity : analyze(scene, {empty}))
+    for (auto const& quantity : analyze(scene, {made_up}))
         if (quantity.estimate.blocks >= least_blocks) names.push_back(quantity.name);
     for (auto const& [name, wanted] : scene.until->errors)
         if (std::find(names.begin(), names.end(), name) == names.end())

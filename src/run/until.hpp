@@ -43,6 +43,6 @@ std::uint64_t expected_steps(Scene const& scene, std::uint64_t step, std::vector
 std::string progress_text(std::vector<ErrorWanted> const& errors);
 
 /// InputError if the scene wants the error of what it does not measure; `empty` is its record before the run.
-void check_errors_wanted(Scene const& scene, Record empty);
+void check_errors_wanted(Scene const& scene, Record const& empty);
 
 }  // namespace dpd

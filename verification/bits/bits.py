@@ -3,7 +3,7 @@
 the hash of all final positions and velocities (program `bits_of_state`), and that of all that `dpdref run --json` measures, less
 run times. They are the same on every machine; a change of the engine that moves them raises its revision and calls --write.
 
-usage: bits.py BUILD [--under COMMAND] [--node] [--write] [--quiet]
+usage: bits.py BUILD [--under COMMAND] [--node] [--write]
     BUILD      a folder of a build; its program and bits_of_state are run, by COMMAND where another processor is emulated
                ("qemu-x86_64 -cpu Nehalem", "qemu-aarch64 -L ROOT")
     --node     the engine of the live pages in node, in place of them: states alone
@@ -127,7 +127,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--under", type=shlex.split, default=[])
-    for flag in ("--node", "--write", "--quiet"):
+    for flag in ("--node", "--write"):
         parser.add_argument(flag, action="store_true")
     options = parser.parse_args()
     build = options.build.resolve()
@@ -143,8 +143,7 @@ def main():
     for line in wrong:
         print(f"bits: {line} differs from {HASHES.name}", file=sys.stderr)
     count = sum(map(len, found.values()))
-    if not options.quiet:
-        print(f"{count - len(wrong)} of {count} hashes of {len(found)} scenes are those of {HASHES.name}")
+    print(f"{count - len(wrong)} of {count} hashes of {len(found)} scenes are those of {HASHES.name}")
     return 1 if wrong else 0
 
 
