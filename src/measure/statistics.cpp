@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "elementary.hpp"
+
 namespace dpd {
 namespace {
 
@@ -107,6 +109,39 @@ Estimate blocking(std::span<double const> series) {
     std::vector<std::vector<double>> const runs{{series.begin(), series.end()}};
     return combine(runs);
 }
+
+// [slow mode]
+Estimate of_slow_mode(Estimate const& of_blocks, std::size_t runs, double x) {
+    if (of_blocks.blocks < 2 || runs == 0 || of_blocks.blocks % runs != 0) return of_blocks;
+    std::size_t const in_run = of_blocks.blocks / runs;
+    // covariances of two blocks some blocks apart, over the variance of an instant
+    x = std::max(x, 1e-4);
+    double const decay = one_minus_exponential(x) / x;
+    auto const covariance = [&](std::size_t apart) {
+        return apart == 0 ? 2.0 * (1.0 - decay) / x : decay * decay * exponential(-x * double(apart - 1));
+    };
+    // of all blocks, with P the projection on deviations from their mean: 1^T C 1, trace C, trace C^2, 1^T
+    // C^2 1
+    double all = 0.0, squares = 0.0, rows = 0.0;
+    for (std::size_t i = 0; i < in_run; ++i) {
+        double row = 0.0;
+        for (std::size_t j = 0; j < in_run; ++j) {
+            double const c = covariance(std::max(i, j) - std::min(i, j));
+            row += c;
+            squares += c * c;
+        }
+        all += row;
+        rows += row * row;
+    }
+    double const r = double(runs), n = double(of_blocks.blocks), of_mean = r * all / (n * n),
+                 trace = n * covariance(0) - n * of_mean,
+                 trace_of_square = r * squares - 2.0 * r * rows / n + of_mean * of_mean * n * n;
+    Estimate result = of_blocks;
+    result.error *= std::sqrt(of_mean * n * (n - 1.0) / trace);
+    result.blocks = 1 + std::max<std::size_t>(1, std::size_t(trace * trace / trace_of_square + 1e-9));
+    return result;
+}
+// [slow mode]
 
 Estimate difference(Estimate const& a, Estimate const& b) {
     Estimate result{.value = a.value - b.value, .error = std::hypot(a.error, b.error)};

@@ -34,6 +34,13 @@ Estimate combine(std::span<std::vector<double> const> runs);
 /// Mean and error of numbers that are already independent.
 Estimate independent(std::span<double const> values);
 
+/// `of_blocks`, the mean of blocks of equal length of so many runs, where the blocks remember each other:
+/// what they are means of fluctuates as exp(-t/tau), and a block lasts `x` tau. The error becomes the one
+/// expected, and the number of blocks one more than Satterthwaite's degrees of freedom (Biometrics Bull. 2,
+/// 110 (1946)). Whole runs share nothing: with one block for each run nothing changes. x counts as at least
+/// 1e-4.
+Estimate of_slow_mode(Estimate const& of_blocks, std::size_t runs, double x);
+
 /// a - b of independent estimates, with the combined error and, rounded down, Welch's degrees of freedom
 /// (Biometrika 34, 28 (1947)): (ea^2+eb^2)^2/(ea^4/(blocks_a-1) + eb^4/(blocks_b-1)).
 Estimate difference(Estimate const& a, Estimate const& b);

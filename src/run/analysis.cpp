@@ -64,11 +64,15 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
         add("potential_stress", combine(potential));
     }
     if (scene.sample.green_kubo_window > 0) add("green_kubo_viscosity", green_kubo_viscosity(scene, records));
-    if (scene.shear_rate != 0.0)
+    if (scene.shear_rate != 0.0) {
+        Quantity const* const viscosity = find_quantity(quantities, "viscosity");
         add("profile_slope",
-            by_block(curves_of(records, "velocity_profile"), [&](auto const& curve, auto const& mean) {
-                return relative_slope(curve, mean, scene.shear_rate);
-            }));
+            of_profile(
+                scene, records, 0.5 * scene.length[1], viscosity ? viscosity->estimate.value : 0.0,
+                by_block(curves_of(records, "velocity_profile"), [&](auto const& curve, auto const& mean) {
+                    return relative_slope(curve, mean, scene.shear_rate);
+                })));
+    }
     add("pair_density",
         by_block(curves_of(records, "radial_distribution"), [&](auto const& curve, auto const& mean) {
             // share of pairs within the range over that of a uniform gas

@@ -9,6 +9,7 @@
 #include "records.hpp"
 #include "sums.hpp"
 #include "theory/closed_forms.hpp"
+#include "transport.hpp"
 
 namespace dpd {
 namespace {
@@ -87,8 +88,9 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuan
 
     // f(profile in the direction of the flow), for each block
     auto const over = [&](std::vector<Curve const*> const& curves, bool directed, auto&& f) {
-        std::vector<double> values;
-        for (Curve const* const curve : curves)
+        std::vector<std::vector<double>> runs;
+        for (Curve const* const curve : curves) {
+            auto& values = runs.emplace_back();
             for (Eigen::Index block = 0; block < curve->sum.cols(); ++block) {
                 Eigen::ArrayXd u(size);
                 bool whole = true;
@@ -100,17 +102,21 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuan
                 }
                 if (whole) values.push_back(f(u));
             }
-        return independent(values);
+        }
+        return pool(runs);
     };
-    add("poiseuille_viscosity", over(velocities, true, [&](Eigen::ArrayXd const& u) {
-            return n * force / (2.0 * fit(parabola, u));
-        }));
+    Estimate const viscosity =
+        over(velocities, true, [&](Eigen::ArrayXd const& u) { return n * force / (2.0 * fit(parabola, u)); });
+    auto const of_flow = [&](auto&& f) {
+        return of_profile(scene, records, width, viscosity.value, over(velocities, true, f));
+    };
+    add("poiseuille_viscosity", of_profile(scene, records, width, viscosity.value, viscosity));
     Estimate const fastest =
-        over(velocities, true, [&](Eigen::ArrayXd const& u) { return fit_power_law(z, u, width).maximum; });
+        of_flow([&](Eigen::ArrayXd const& u) { return fit_power_law(z, u, width).maximum; });
     add("maximum_velocity", fastest);
     add("power_law_index",
-        over(velocities, true, [&](Eigen::ArrayXd const& u) { return fit_power_law(z, u, width).index; }));
-    add("slip", over(velocities, true, [&](Eigen::ArrayXd const& u) {
+        of_flow([&](Eigen::ArrayXd const& u) { return fit_power_law(z, u, width).index; }));
+    add("slip", of_flow([&](Eigen::ArrayXd const& u) {
             auto const line = fit_line(parabola, u);
             return line.offset / (line.slope * width * width / 4.0);
         }));
@@ -128,7 +134,7 @@ void add_channel(Scene const& scene, std::vector<Record> const& records, AddQuan
     for (Eigen::Index k = 0; k < size; ++k)
         expected[k] = theory::poiseuille_velocity(n, force, eta, width, z[k]);
     double const maximum = theory::poiseuille_maximum_velocity(n, force, eta, width);
-    add("navier_stokes_deviation", over(velocities, true, [&](Eigen::ArrayXd const& u) {
+    add("navier_stokes_deviation", of_flow([&](Eigen::ArrayXd const& u) {
             return std::sqrt(sum_of_squares(u - expected) / double(size)) / maximum;
         }));
     auto const fastest_over = [&](double speed) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <numeric>
 
 #include "records.hpp"
@@ -64,6 +65,21 @@ double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double she
     Eigen::Map<Eigen::ArrayXd const> const y(curve.x.data(), mean.size());
     Eigen::ArrayXd const centred = y - mean_of(y);
     return sum_of(centred * mean) / sum_of_squares(centred) / shear_rate;
+}
+
+Estimate of_profile(Scene const& scene, std::vector<Record> const& records, double width, double viscosity,
+                    Estimate const& of_blocks) {
+    auto const profiles = curves_of(records, "velocity_profile");
+    double samples = 0.0, blocks = 0.0;  // of all runs
+    for (Curve const* const profile : profiles) {
+        samples += sum_of(profile->weight.rowwise().sum()) / double(scene.particles);
+        blocks += double((profile->weight.colwise().sum() > 0.0).count());
+    }
+    if (!(viscosity > 0.0) || blocks == 0.0) return of_blocks;
+    double const block = samples / blocks * double(scene.sample.profile->interval) * scene.time_step;
+    double const lifetime =
+        scene.density() * scene.mass * width * width / (std::numbers::pi * std::numbers::pi * viscosity);
+    return of_slow_mode(of_blocks, profiles.size(), block / lifetime);
 }
 
 std::vector<Curve> temperature_profiles(Scene const& scene, std::vector<Record> const& records) {

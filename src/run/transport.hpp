@@ -18,6 +18,12 @@ Estimate diffusion_constant(Scene const& scene, std::vector<Record> const& recor
 /// Least-squares slope of the velocity profile over the imposed shear rate.
 double relative_slope(Curve const& curve, Eigen::ArrayXd const& mean, double shear_rate);
 
+/// An estimate from the profile of the velocity whose fluctuations vanish, or repeat with the other sign,
+/// `width` apart: the blocks of short runs share the shear mode, which lives for n m width^2/(pi^2 eta), and
+/// the error allows for that.
+Estimate of_profile(Scene const& scene, std::vector<Record> const& records, double width, double viscosity,
+                    Estimate const& of_blocks);
+
 /// kT in bins of y, one value per block: what flows, imposed or not, is not heat.
 std::vector<Curve> temperature_profiles(Scene const& scene, std::vector<Record> const& records);
 

@@ -263,6 +263,55 @@ BOOST_AUTO_TEST_CASE(pool_counts_runs_that_differ_as_values) {
     BOOST_TEST(std::abs(apart.error - std::sqrt(1.0 / 3.0)) < 1e-15);
 }
 
+// Block means of an Ornstein-Uhlenbeck process, drawn exactly: the value x tau later and the integral in
+// between are normal with known covariances (D. T. Gillespie, Phys. Rev. E 54, 2084 (1996)).
+BOOST_AUTO_TEST_CASE(blocks_that_remember_each_other_give_the_known_error) {
+    AutoRegressive white(0.0, 47);
+    for (double const x : {0.1, 1.0, 5.0})
+        for (std::size_t const runs : {1u, 3u}) {
+            constexpr std::size_t in_run = 8;
+            double const decay = std::exp(-x), of_value = 1.0 - decay * decay,
+                         of_integral = 2.0 * x - 3.0 + 4.0 * decay - decay * decay,
+                         of_both = (1.0 - decay) * (1.0 - decay);
+            std::vector<double> means;
+            auto const stated = average(4000, [&] {
+                std::vector<Values> blocks(runs);
+                for (auto& of_run : blocks) {
+                    double value = white.normal();
+                    for (std::size_t b = 0; b < in_run; ++b) {
+                        double const first = white.normal(), second = white.normal();
+                        of_run.push_back((value * (1.0 - decay) + of_both / std::sqrt(of_value) * first +
+                                          std::sqrt(of_integral - of_both * of_both / of_value) * second) /
+                                         x);
+                        value = decay * value + std::sqrt(of_value) * first;
+                    }
+                }
+                Values all;
+                for (auto const& of_run : blocks) all.insert(all.end(), of_run.begin(), of_run.end());
+                Estimate const mended = of_slow_mode(independent(all), runs, x);
+                means.push_back(mended.value);
+                return mended.error * mended.error;
+            });
+            std::size_t k = 0;
+            auto const square = average(means.size(), [&] { return std::pow(means[k++], 2); });
+            check_average(
+                {stated.value / square.value,
+                 std::hypot(stated.error, square.error * stated.value / square.value) / square.value},
+                1.0, 0.0, "stated over true variance");
+        }
+    // blocks that forget each other, and whole runs, stay as they are; a walk has
+    // (sum 1/k^2)^2/(sum 1/k^4) = 5/2 degrees of freedom
+    Estimate const forgets = of_slow_mode({.value = 1.0, .error = 0.1, .blocks = 8}, 1, 1e9),
+                   whole = of_slow_mode({.value = 1.0, .error = 0.1, .blocks = 3}, 3, 0.01),
+                   drifts = of_slow_mode({.value = 1.0, .error = 0.1, .blocks = 8}, 1, 0.01);
+    BOOST_TEST(forgets.blocks == 8u);
+    BOOST_TEST(std::abs(forgets.error - 0.1) < 1e-9);
+    BOOST_TEST(whole.blocks == 3u);
+    BOOST_TEST(std::abs(whole.error - 0.1) < 1e-12);
+    BOOST_TEST(drifts.blocks == 3u);
+    BOOST_TEST(std::abs(drifts.error - 0.1 * std::sqrt(3.0 / 0.01)) < 0.05);
+}
+
 BOOST_AUTO_TEST_CASE(independent_values) {
     BOOST_TEST(independent(Values{1.0, 2.0, 3.0, 6.0}).value == 3.0);
     // sum of squares 14, over n(n-1) = 12
