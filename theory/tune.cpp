@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -27,25 +29,22 @@ struct Trial {
     double x, off;
 };
 
-/// Between two trials of different signs, in ln x, one at which at most `closest` is left (the rule of false
-/// position, of which an end that stays counts half the next time), or the better end of an interval that is
-/// too small to matter.
-Trial zero(std::function<double(double)> const& f, Trial low, Trial high) {
+/// Between two trials of different signs: of the places tried the one at which least is left, which is at
+/// most `closest`, or where an interval of ln x became too small to matter.
+double zero(std::function<double(double)> const& f, Trial low, Trial high) {
     constexpr double closest = 3e-4, smallest = 1e-5;
-    double low_off = low.off, high_off = high.off;
-    int side = 0;
-    while (std::min(-low.off, high.off) > closest && std::log(high.x / low.x) > smallest) {
-        double const share = low_off / (low_off - high_off);
-        double const x = low.x * std::pow(high.x / low.x, std::clamp(share, 0.02, 0.98));
-        Trial const next{x, f(x)};
-        bool const below = next.off < 0.0;
-        (below ? low : high) = next;
-        (below ? low_off : high_off) = next.off;
-        int const now = below ? -1 : 1;
-        if (now == side) (below ? high_off : low_off) *= 0.5;
-        side = now;
-    }
-    return -low.off < high.off ? low : high;
+    std::uintmax_t most = 60;
+    auto const near = [](double off) { return std::abs(off) < closest ? 0.0 : off; };
+    Trial best = -low.off < high.off ? low : high;
+    boost::math::tools::toms748_solve(
+        [&](double log_x) {
+            Trial const next{std::exp(log_x), f(std::exp(log_x))};
+            if (std::abs(next.off) < std::abs(best.off)) best = next;
+            return near(next.off);
+        },
+        std::log(low.x), std::log(high.x), near(low.off), near(high.off),
+        [](double a, double b) { return b - a < smallest; }, most);
+    return best.x;
 }
 
 class Tuner {
@@ -95,7 +94,7 @@ public:
             throw std::domain_error(std::string("no friction gives ") + name + " = " + digits(value) +
                                     " at dt = " + digits(dt) +
                                     "; nearest: " + digits(value * std::exp(grows ? nearest : -nearest)));
-        return at(zero(off, low, high).x, dt);
+        return at(zero(off, low, high), dt);
     }
 
     Gas const& gas() const { return gas_; }
@@ -167,7 +166,7 @@ Tuned tune(Gas const& gas, Wanted const& wanted, Weight weight, Scheme scheme, d
                                 " (dt = " + digits(low.x) + "), not " + digits(eta / (gas.n * gas.m * D)) +
                                 "; another density has others");
     }
-    return found.at(zero(off, low, high).x);
+    return found.at(zero(off, low, high));
 }
 
 }  // namespace dpd::theory

@@ -529,6 +529,19 @@ BOOST_AUTO_TEST_CASE(finds_the_friction_of_a_fluid) {
                boost::test_tools::tolerance(0.01));
 }
 
+// Friction and step at once. D changes little with the step: 0.2 % of D are some per cent of it.
+BOOST_AUTO_TEST_CASE(finds_friction_and_step_of_a_fluid) {
+    Gas const gas{.n = 3.0};
+    auto const c = transport_with_memory(gas, Shardlow{.gamma = 9.0}, 0.2);
+    double const eta = c.kinetic_viscosity.value() + c.collision_viscosity.value(),
+                 D = c.diffusion_constant.value();
+    auto const tuned = tune(gas, {.viscosity = eta, .diffusion_constant = D});
+    BOOST_TEST(tuned.viscosity() == eta, boost::test_tools::tolerance(0.002));
+    BOOST_TEST(tuned.transport.diffusion_constant.value() == D, boost::test_tools::tolerance(0.002));
+    BOOST_TEST(tuned.gamma == 9.0, boost::test_tools::tolerance(0.02));
+    BOOST_TEST(tuned.dt == 0.2, boost::test_tools::tolerance(0.05));
+}
+
 BOOST_AUTO_TEST_CASE(refuses_what_has_no_answer) {
     Gas const gas{.n = 3.0};
     BOOST_CHECK_THROW(tune(gas, {.viscosity = 1.0}), std::invalid_argument);
