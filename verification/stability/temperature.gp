@@ -25,7 +25,7 @@ set yrange [10.5:0.5]
 set title "The same with repulsion a = 25"
 do for [i=1:words(frictions)] { set xtics add (word(frictions, i) i) }
 set xlabel "friction γ" offset 0,0.2
-set label 1 "Set temperature 1, limit of what counts as usable 2. Blank, and without repulsion those not shown: no edge." at screen 0.03,0.05 font ",".caption_size
+set label 1 "Set temperature 1, limit of what counts as usable 2.\nBlank, and without repulsion those not shown: no edge." at screen 0.03,0.05 font ",".caption_size
 plot for [k=1:10] map index name[k].":25" using (column_of($1)):(k):(0.49):(0.47):(known(8)) with boxxyerror fs solid noborder lc palette, \
      for [k=1:10] map index name[k].":25" using (column_of($1)):(k):(cell(known(8), $9)) with labels font ",12"
 unset multiplot
