@@ -7,6 +7,7 @@
 #include "archive.hpp"
 #include "checkpoint.hpp"
 #include "files.hpp"
+#include "processor_time.hpp"
 #include "progress.hpp"
 #include "signals.hpp"
 #include "sums.hpp"
@@ -101,8 +102,8 @@ RunResult run_in(Scene const& scene, RunOptions const& options) {
                                              frames, frames * scene.trajectory_interval);
         }
         auto const start = Clock::now();
-        auto const seconds = [&] {
-            return earlier_seconds + std::chrono::duration<double>(Clock::now() - start).count();
+        auto const seconds = [&, from = thread_seconds()] {
+            return earlier_seconds + thread_seconds() - from;
         };
         // the trajectory first: frames beyond a checkpoint are made again, missing ones are not
         auto const save = [&](std::string const& status) {

@@ -24,7 +24,7 @@ struct RunResult {
     Record record;                    ///< all that was sampled
     Counters counters;                ///< of the work done
     std::uint64_t particles = 0;      ///< of the fluid
-    double seconds = 0.0;             ///< wall clock of all its parts
+    double seconds = 0.0;             ///< processor time of all its parts
     std::uint64_t bytes = 0;          ///< memory of state, pair list and search
     bool from_cache = false;          ///< whether the file had it already
     double duration = 0.0;            ///< measured time, after equilibration

@@ -18,6 +18,7 @@
 #include "integrators.hpp"
 #include "names.hpp"
 #include "picture.hpp"
+#include "processor_time.hpp"
 #include "run.hpp"
 #include "simulation.hpp"
 #include "theory/closed_forms.hpp"
@@ -298,10 +299,10 @@ std::string StabilityPoint::key() const {
 }
 
 void find_edges(StabilityPoint& point, std::atomic<bool> const* stop) {
-    auto const from = std::chrono::steady_clock::now();
+    double const from = thread_seconds();
     int const d = parse_scene(point.start, "start").dimension;
     d == 2 ? find_edges_in<2>(point, stop) : find_edges_in<3>(point, stop);
-    point.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+    point.seconds = thread_seconds() - from;
 }
 
 bool find_edges(std::vector<StabilityMap>& maps, CampaignOptions const& options) {

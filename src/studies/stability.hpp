@@ -115,7 +115,7 @@ struct StabilityPoint {
     double harmonic_limit = 0.0;     ///< for the repulsion; infinity without
     FrozenLimits frozen{};           ///< of the start
     Trials trials{};                 ///< those made so far
-    double seconds = 0.0;            ///< run time of the bisection
+    double seconds = 0.0;            ///< processor time of the bisection
 
     /// Name of this point's cached result.
     std::string key() const;

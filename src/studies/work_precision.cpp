@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <sstream>
 
@@ -15,6 +14,7 @@
 #include "files.hpp"
 #include "integrators.hpp"
 #include "picture.hpp"
+#include "processor_time.hpp"
 #include "progress.hpp"
 #include "run.hpp"
 #include "toml_reader.hpp"
@@ -139,12 +139,6 @@ std::vector<Study> load_studies(std::filesystem::path const& directory, std::str
 // --- runs ------------------------------------------------------------------------------------------------
 
 namespace {
-
-double thread_seconds() {
-    std::timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
-}
 
 // Processor time of one step of a scene, its sampling included: the least of a few short runs, less what
 // it takes to set one up.
