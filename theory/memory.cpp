@@ -803,7 +803,7 @@ ClosedForm row(std::string_view id, std::string_view quantity, std::string_view 
     if constexpr (std::is_same_v<Kind, Lowe>)
         parameters.push_back("Gamma");
     else
-        parameters.insert(parameters.end(), {"gamma", "weight", "scheme"});
+        parameters.insert(parameters.end(), {"gamma", "weight", "exponent", "scheme"});
     return {.id = id,
             .paper = "ours",
             .equation = "theory/memory.md",
@@ -854,7 +854,7 @@ ClosedForm temperature_row() {
         .equation = "theory/memory.md",
         .quantity = "temperature of explicit DPD with memory",
         .formula = "eq. 22 + pair",
-        .parameters = {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight"},
+        .parameters = {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight", "exponent"},
         .without_effect = {},
         .value = [](Arguments const& a) { return temperature_of(a).value(); },
         .defaults = {},

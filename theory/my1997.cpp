@@ -107,7 +107,7 @@ std::vector<ClosedForm> temperature_rows() {
          "22",
          "temperature kT of explicit DPD at finite step",
          "A3/(m (A1 (2 - A1 n dt) - A2 dt))",
-         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight", "random_weight"},
+         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight", "exponent", "random_weight"},
          {},
          [](Arguments const& a) {
              return temperature_at_finite_step(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
@@ -117,7 +117,7 @@ std::vector<ClosedForm> temperature_rows() {
          "22, frozen",
          "kT if neighbours never change, first order",
          "A3/(2 m A1) (1 + n A1 dt/2)",
-         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight"},
+         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight", "exponent"},
          {},
          [](Arguments const& a) {
              return temperature_with_frozen_neighbours(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
@@ -127,7 +127,7 @@ std::vector<ClosedForm> temperature_rows() {
          "22, mean mode",
          "kT of a mode of the mean rate, bound of both limits",
          "A3/(2 m A1 (1 - n A1 dt/2))",
-         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight"},
+         {"d", "n", "m", "gamma", "sigma", "rc", "dt", "weight", "exponent"},
          {},
          [](Arguments const& a) {
              return temperature_of_the_mean_mode(explicit_dpd(a, a["n"], a["sigma"]), a["dt"]);
@@ -143,7 +143,7 @@ std::vector<ClosedForm> integral_rows() {
          "23",
          "A1, decay rate of a momentum per density",
          "gamma [w_D]/(m d)",
-         {"d", "m", "gamma", "rc", "weight"},
+         {"d", "m", "gamma", "rc", "weight", "exponent"},
          {"n", "sigma", "dt", "random_weight"},
          [](Arguments const& a) { return A1(explicit_dpd(a, unused, unused)); }},
         {"my23-A2",
@@ -151,7 +151,7 @@ std::vector<ClosedForm> integral_rows() {
          "23",
          "A2, second-order term of a single partner",
          "2 gamma^2 [w_D^2]/(m^2 d)",
-         {"d", "m", "gamma", "rc", "weight"},
+         {"d", "m", "gamma", "rc", "weight", "exponent"},
          {"n", "sigma", "dt", "random_weight"},
          [](Arguments const& a) { return A2(explicit_dpd(a, unused, unused)); }},
         {"my23-A3",
@@ -159,7 +159,7 @@ std::vector<ClosedForm> integral_rows() {
          "23",
          "A3, momentum fed in by the noise",
          "sigma^2 [w_R^2]/d",
-         {"d", "sigma", "rc", "weight", "random_weight"},
+         {"d", "sigma", "rc", "weight", "exponent", "random_weight"},
          {"n", "m", "gamma", "dt"},
          [](Arguments const& a) {
              return A3({.d = a.d(),
@@ -179,7 +179,7 @@ std::vector<ClosedForm> stability_rows() {
          "25",
          "critical step of explicit DPD",
          "2 A1/(n A1^2 + A2)",
-         {"d", "n", "m", "gamma", "rc", "weight"},
+         {"d", "n", "m", "gamma", "rc", "weight", "exponent"},
          {"sigma", "random_weight"},
          [](Arguments const& a) { return critical_step(explicit_dpd(a, a["n"], unused)); }},
         {"my26",
@@ -187,7 +187,7 @@ std::vector<ClosedForm> stability_rows() {
          "26",
          "critical density of explicit DPD",
          "(2 A1 - A2 dt)/(A1^2 dt)",
-         {"d", "m", "gamma", "rc", "dt", "weight"},
+         {"d", "m", "gamma", "rc", "dt", "weight", "exponent"},
          {"sigma", "random_weight"},
          [](Arguments const& a) { return critical_density(explicit_dpd(a, unused, unused), a["dt"]); }},
     };

@@ -226,7 +226,7 @@ std::vector<ClosedForm> viscosity_rows() {
          "8",
          "kinetic viscosity",
          "n kT dt (1/(1 - s) - 1/2)",
-         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "scheme"},
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "exponent", "scheme"},
          {},
          [](Arguments const& a) {
              return kinetic_viscosity(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);
@@ -236,7 +236,7 @@ std::vector<ClosedForm> viscosity_rows() {
          "9",
          "s, factor on <v_x v_y> per step",
          "exp(n [-2A/d + 4A^2/(d(d+2))])",
-         {"d", "n", "m", "gamma", "rc", "dt", "weight", "scheme"},
+         {"d", "n", "m", "gamma", "rc", "dt", "weight", "exponent", "scheme"},
          {"kT"},
          [](Arguments const& a) {
              return stress_retention(gas(a, a["n"], a["m"], unused), shardlow(a), a["dt"]);
@@ -246,7 +246,7 @@ std::vector<ClosedForm> viscosity_rows() {
          "10",
          "kinetic viscosity for dt -> 0",
          "d m kT/(2 [w])",
-         {"d", "m", "kT", "gamma", "rc", "weight"},
+         {"d", "m", "kT", "gamma", "rc", "weight", "exponent"},
          {"n", "dt", "scheme"},
          [](Arguments const& a) {
              return kinetic_viscosity_limit(gas(a, unused, a["m"], a["kT"]), shardlow(a));
@@ -256,7 +256,7 @@ std::vector<ClosedForm> viscosity_rows() {
          "12",
          "collision viscosity",
          "m n^2/(2 d (d+2) dt) [A r^2], with shardlow n^2/(2 d (d+2)) [w r^2/(1 + w dt/m)]",
-         {"d", "n", "m", "gamma", "rc", "dt", "weight", "scheme"},
+         {"d", "n", "m", "gamma", "rc", "dt", "weight", "exponent", "scheme"},
          {"kT"},
          [](Arguments const& a) {
              return collision_viscosity(gas(a, a["n"], a["m"], unused), shardlow(a), a["dt"]);
@@ -266,7 +266,7 @@ std::vector<ClosedForm> viscosity_rows() {
          "12",
          "collision viscosity for dt -> 0",
          "n^2/(2 d (d+2)) [w r^2]",
-         {"d", "n", "gamma", "rc", "weight"},
+         {"d", "n", "gamma", "rc", "weight", "exponent"},
          {"m", "kT", "dt", "scheme"},
          [](Arguments const& a) {
              return collision_viscosity_limit(gas(a, a["n"], unused, unused), shardlow(a));
@@ -282,7 +282,7 @@ std::vector<ClosedForm> diffusion_rows() {
          "17",
          "self-diffusion constant",
          "(kT dt/m) (1/(1 - exp(-n [A]/d)) - 1/2)",
-         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "scheme"},
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "exponent", "scheme"},
          {},
          [](Arguments const& a) {
              return diffusion_constant(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);
@@ -292,7 +292,7 @@ std::vector<ClosedForm> diffusion_rows() {
          "17",
          "self-diffusion constant for dt -> 0",
          "d kT/(n [w])",
-         {"d", "n", "kT", "gamma", "rc", "weight"},
+         {"d", "n", "kT", "gamma", "rc", "weight", "exponent"},
          {"m", "dt", "scheme"},
          [](Arguments const& a) {
              return diffusion_constant_limit(gas(a, a["n"], unused, a["kT"]), shardlow(a));
@@ -370,7 +370,7 @@ std::vector<ClosedForm> potential_rows() {
          "13, below",
          "phi_DPD, relaxation rate of a velocity for dt -> 0 with g = 1",
          "n [w]/(d m)",
-         {"d", "n", "m", "gamma", "rc", "weight"},
+         {"d", "n", "m", "gamma", "rc", "weight", "exponent"},
          {"kT", "dt", "scheme"},
          [](Arguments const& a) { return relaxation_rate(gas(a, a["n"], a["m"], unused), shardlow(a)); }},
         {"ng-schmidt",
@@ -378,7 +378,7 @@ std::vector<ClosedForm> potential_rows() {
          "8, 12, 17",
          "Schmidt number of the ideal gas",
          "(eta_kin + eta_col)/(n m D)",
-         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "scheme"},
+         {"d", "n", "m", "kT", "gamma", "rc", "dt", "weight", "exponent", "scheme"},
          {},
          [](Arguments const& a) {
              return schmidt_number(gas(a, a["n"], a["m"], a["kT"]), shardlow(a), a["dt"]);

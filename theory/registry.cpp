@@ -13,10 +13,12 @@ namespace dpd::theory {
 namespace {
 
 constexpr std::string_view zero_or_more = ">= 0";
-std::string const weight_names = name_list<Weight>(), random_weight_names = "matched, " + weight_names,
+// (a power takes its exponent from beside the weight of the friction; as w_R it has none)
+std::string const weight_names = name_list<Weight::Kind>(),
+                  random_weight_names = "matched, " + weight_names.substr(0, weight_names.rfind(", power")),
                   scheme_names = name_list<Scheme>();
 
-std::array<Parameter, 36> const all_parameters{{
+std::array<Parameter, 37> const all_parameters{{
     {"d", "dimension of space", "3", "2 or 3"},
     {"n", "number density", std::nullopt, "> 0"},
     {"m", "mass of a particle", "1", "> 0"},
@@ -52,6 +54,7 @@ std::array<Parameter, 36> const all_parameters{{
     {"r_max", "outer radius of the shell", std::nullopt, "> 0"},
     {"r", "distance of a pair", std::nullopt, "> 0"},
     {"weight", "weight function of the friction", "linear", weight_names},
+    {"exponent", "of weight=power, (1 - r/rc)^exponent", "none", "0 to 100, with weight=power alone"},
     {"random_weight", "weight function of the noise; matched: its square is the weight of the friction",
      "matched", random_weight_names},
     {"scheme", "update of a pair: its A as a function of w dt/m", "shardlow", scheme_names},
@@ -157,17 +160,25 @@ Arguments::Arguments(ClosedForm const& form, std::span<std::pair<std::string, st
                                         "), which was not given; allowed: " + std::string(parameter.allowed));
         set(parameter, *text);
     }
+    auto const exponent = numbers_.find("exponent");
+    bool const has_exponent = exponent != numbers_.end();
+    if (has_exponent != (weight_.kind == Weight::power))
+        throw std::invalid_argument(
+            std::string(form.id) +
+            (has_exponent ? " has parameter 'exponent' with another weight than power; allowed: none"
+                          : " needs parameter 'exponent' with weight=power; allowed: 0 to 100"));
+    if (has_exponent) weight_ = power_weight(exponent->second);
 }
 
 void Arguments::set(Parameter const& parameter, std::string_view text) {
     if (parameter.name == "weight" || parameter.name == "random_weight") {
-        auto const weight = value_of<Weight>(text);
-        bool const matched = parameter.name == "random_weight" && text == "matched";
-        if (!weight && !matched) refuse(parameter, text);
-        if (parameter.name == "weight")
-            weight_ = *weight;
+        auto const kind = value_of<Weight::Kind>(text);
+        bool const random = parameter.name == "random_weight", matched = random && text == "matched";
+        if ((!kind && !matched) || (random && kind == Weight::power)) refuse(parameter, text);
+        if (!random)
+            weight_ = *kind;
         else
-            random_weight_ = weight;
+            random_weight_ = kind;
         return;
     }
     if (parameter.name == "scheme") {
@@ -177,8 +188,12 @@ void Arguments::set(Parameter const& parameter, std::string_view text) {
         return;
     }
     auto const value = number_from(text);
-    if (!value || *value < 0.0 || (*value == 0.0 && parameter.allowed != zero_or_more))
+    if (parameter.name == "exponent") {
+        if (text == "none") return;
+        if (!value || *value < 0.0 || *value > largest_exponent) refuse(parameter, text);
+    } else if (!value || *value < 0.0 || (*value == 0.0 && parameter.allowed != zero_or_more)) {
         refuse(parameter, text);
+    }
     if (parameter.name == "d" && *value != 2.0 && *value != 3.0) refuse(parameter, text);
     numbers_[parameter.name] = *value;
 }

@@ -193,6 +193,8 @@ std::string_view integrator_of(Mover mover) {
             return "LFMiddle";
         case Mover::euler:
             return "Euler, old";
+        case Mover::leapfrog:
+            return "Euler, new";
     }
     return "";
 }
@@ -216,7 +218,9 @@ Query foreign_query(Code const& code, std::vector<std::string> const& words) {
     ask("a", fluid.a);
     ask("gamma", fluid.gamma);
     if (fluid.dt) ask("dt", *fluid.dt);
-    query.asked.emplace_back("weight", name_of(fluid.weight));
+    TheoryArguments weight;
+    set_weight_arguments(weight, fluid.weight);
+    query.asked.insert(query.asked.end(), weight.begin(), weight.end());
     if (auto const integrator = value_in(own, "integrator", ""); !integrator.empty())
         query.asked.emplace_back("integrator", integrator);
     else
@@ -319,7 +323,9 @@ std::string parameters_of(Code const& code, Units const& units, Json const& scal
     fluid.a = scaled["a"].get<double>();
     fluid.dt = scaled["dt"].get<double>();
     fluid.rc = units.length, fluid.m = units.mass, fluid.kT = units.energy;
-    fluid.weight = *value_of<Weight>(scaled["weight"].get<std::string>());
+    fluid.weight = scaled.contains("exponent")
+                       ? power_weight(scaled["exponent"].get<double>())
+                       : Weight(*value_of<Weight::Kind>(scaled["weight"].get<std::string>()));
     std::string text = fmt::format("{}: n={:.6g}", code.name, scaled["n"].get<double>());
     for (auto const& [key, value] : write_fluid(code, fluid)) text += fmt::format(" {}={}", key, value);
     return text;

@@ -192,7 +192,9 @@ Json pair_functions() {
     Json weight = Json::array(), update = Json::array(), potential = Json::array();
     for (double const x : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1.0, 1.1}) {
         Json row{{"x", x}};
-        for (auto const name : names<Weight>) row[std::string(name)] = weight_at(*value_of<Weight>(name), x);
+        for (auto const name : names<Weight::Kind>)
+            if (name != name_of(Weight::power))
+                row[std::string(name)] = weight_at(*value_of<Weight::Kind>(name), x);
         weight.push_back(row);
     }
     for (double const mass : {1.0, 2.5})

@@ -110,14 +110,15 @@ void tune_fluid(std::vector<std::string> const& assignments, bool json) {
             throw InputError(fmt::format("tune: {} is '{}'; allowed: > 0", name, text));
         *target = value;
     }
-    static th::ClosedForm const form{.id = "tune",
-                                     .paper = {},
-                                     .equation = {},
-                                     .quantity = {},
-                                     .formula = {},
-                                     .parameters = {"d", "n", "m", "kT", "rc", "box", "weight", "scheme"},
-                                     .without_effect = {},
-                                     .value = nullptr};
+    static th::ClosedForm const form{
+        .id = "tune",
+        .paper = {},
+        .equation = {},
+        .quantity = {},
+        .formula = {},
+        .parameters = {"d", "n", "m", "kT", "rc", "box", "weight", "exponent", "scheme"},
+        .without_effect = {},
+        .value = nullptr};
     th::Arguments const a(form, fluid);
     th::Gas const gas{.d = a.d(), .n = a["n"], .m = a["m"], .kT = a["kT"], .rc = a["rc"]};
     double const box = a["box"] > 0.0 ? a["box"] : std::numeric_limits<double>::infinity();
@@ -178,7 +179,8 @@ void convert_parameters(std::string const& from, std::string const& to,
     for (auto const& [key, value] : write_fluid(target, fluid))
         lines.push_back(fmt::format("{}={}", key, value));
     if (to == "dpdref")
-        fmt::print("# dpdref {}\n{}", fmt::join(lines, " "), scene_fragment(fluid, source.mover));
+        fmt::print("# dpdref {}\n{}{}", fmt::join(lines, " "), scene_fragment(fluid, source.mover),
+                   rest_of_scene(fluid));
     else
         fmt::print("{}\n", fmt::join(lines, "\n"));
 }

@@ -126,10 +126,12 @@ void apply(Shardlow const& stage, Simulation<d>& simulation, NoiseKey key) {
     simulation.stage_stress.friction = 0.0;
     // [shardlow]
     double const rate = stage.friction * simulation.time_step / simulation.particles.mass;
-    with_value(stage.weight, [&]<Weight w>() {
+    with_value(stage.weight.kind, [&]<Weight::Kind w>() {
         with_value(stage.scheme, [&]<Scheme s>() {
             update_pairs(simulation, pairs, key, stage.cutoff, stage.kT,
-                         [=](std::size_t, double x) { return update_a<s>(rate * weight_at<w>(x)); });
+                         [=, exponent = stage.weight.exponent](std::size_t, double x) {
+                             return update_a<s>(rate * weight_at<w>(x, exponent));
+                         });
         });
     });
     // [shardlow]
@@ -186,12 +188,12 @@ void apply(EulerImpulses const& stage, Simulation<d>& simulation, NoiseKey key) 
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
         double* const impulse = view.impulse + block.begin;  // now standard normals
-        with_value(stage.weight, [&]<Weight w>() {
-            wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff, random_weight = stage.random_weight,
-                                     drag = drag.data()](std::size_t k) {
+        with_value(stage.weight.kind, [&]<Weight::Kind w>() {
+            wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff, exponent = stage.weight.exponent,
+                                     random_weight = stage.random_weight, drag = drag.data()](std::size_t k) {
                 // [euler coefficients]
                 double const x = r[k] * per_cutoff;
-                double const w_d = x < 1.0 ? weight_at<w>(x) : 0.0;
+                double const w_d = x < 1.0 ? weight_at<w>(x, exponent) : 0.0;
                 double const w_r = random_weight ? weight_at(*random_weight, x) : std::sqrt(w_d);
                 drag[k] = most_drag * w_d;
                 impulse[k] *= noise * w_r;
@@ -288,12 +290,13 @@ void find_forces(ModifiedVerlet const& stage, Potential const& potential, Simula
         draw_pair_noise(simulation, pairs, key, block);
         double const* const r = view.distance + block.begin;
         double* const impulse = view.impulse + block.begin;  // now standard normals
-        with_value(stage.weight, [&]<Weight w>() {
+        with_value(stage.weight.kind, [&]<Weight::Kind w>() {
             wide_loop(block.size(), [=, gamma = stage.gamma, per_cutoff = 1.0 / stage.cutoff,
-                                     conservative = conservative.data(), drag = drag.data()](std::size_t k) {
+                                     exponent = stage.weight.exponent, conservative = conservative.data(),
+                                     drag = drag.data()](std::size_t k) {
                 // [modified verlet force]
                 double const x = r[k] * per_cutoff;
-                double const w_d = x < 1.0 ? weight_at<w>(x) : 0.0;
+                double const w_d = x < 1.0 ? weight_at<w>(x, exponent) : 0.0;
                 conservative[k] = r[k] < potential.cutoff ? potential.force(r[k]) : 0.0;
                 drag[k] = gamma * w_d;
                 impulse[k] *= strength * std::sqrt(w_d);
@@ -345,14 +348,15 @@ void find_friction_again(ModifiedVerlet const& stage, Simulation<d>& simulation)
     double added = 0.0;
     std::array<double, block_size> change;
     for_each_block(pairs, [&](PairBlock block) {
-        with_value(stage.weight, [&]<Weight w>() {
+        with_value(stage.weight.kind, [&]<Weight::Kind w>() {
             auto const again = [=, gamma = stage.gamma, per_cutoff = 1.0 / stage.cutoff,
+                                exponent = stage.weight.exponent,
                                 change = change.data()](std::size_t k, auto image_speed) {
                 double const x = view.distance[k] * per_cutoff;
                 auto const [i, j, e] = PairRows<d>(view, k);
-                double const friction =
-                    x < 1.0 ? -gamma * weight_at<w>(x) * approach(row<d>(v, i), row<d>(v, j), e, image_speed)
-                            : 0.0;
+                double const friction = x < 1.0 ? -gamma * weight_at<w>(x, exponent) *
+                                                      approach(row<d>(v, i), row<d>(v, j), e, image_speed)
+                                                : 0.0;
                 double& difference = change[k - block.begin];
                 difference = friction - view.impulse[k];
                 for (int axis = 0; axis < d; ++axis) {

@@ -57,7 +57,7 @@ void check_modified_verlet(Scene const& scene, ModifiedVerlet const& p) {
                "0 where gamma is 0");
     if (!exponent(p.weight))
         refuse("modified_verlet.weight", "parabolic is no power of 1 - r/cutoff",
-               "constant, root, linear, quadratic");
+               "constant, root, linear, quadratic, power");
     auto const* const soft = scene.soft();
     if (soft && soft->cutoff != p.cutoff)
         refuse("modified_verlet.soft.cutoff", fmt::format("{} is not that of the friction", soft->cutoff),

@@ -11,7 +11,7 @@
 namespace dpd {
 
 std::optional<double> exponent(Weight weight) {
-    switch (weight) {
+    switch (weight.kind) {
         case Weight::constant:
             return 0.0;
         case Weight::root:
@@ -20,6 +20,8 @@ std::optional<double> exponent(Weight weight) {
             return 1.0;
         case Weight::quadratic:
             return 2.0;
+        case Weight::power:
+            return weight.exponent;
         default:
             return std::nullopt;
     }
@@ -29,19 +31,11 @@ double noise(DpdFluid const& fluid) { return std::sqrt(2.0 * fluid.gamma * fluid
 
 namespace {
 
-std::optional<Weight> weight_of_exponent(double p) {
-    for (auto const name : names<Weight>)
-        if (auto const weight = value_of<Weight>(name); exponent(*weight) == p) return weight;
-    return std::nullopt;
-}
-
 /// The parameter `name` is the exponent of w_D over `factor`.
 void read_exponent(Given const& given, DpdFluid& fluid, std::string_view name, double factor) {
-    auto const weight = weight_of_exponent(given.number(name) * factor);
-    if (!weight)
-        given.refuse(name, fmt::format("{}, {}, {}, {}, the weights of dpdref", 0, 0.5 / factor, 1 / factor,
-                                       2 / factor));
-    fluid.weight = *weight;
+    double const p = given.number(name) * factor;
+    if (p > largest_exponent) given.refuse(name, fmt::format("0 to {}", largest_exponent / factor));
+    fluid.weight = power_weight(p);
 }
 
 std::string number_text(double value) { return fmt::format("{}", value); }
@@ -50,13 +44,20 @@ void write_exponent(DpdFluid const& fluid, Assignments& others, std::string_view
     auto const p = exponent(fluid.weight);
     if (!p)
         throw InputError(
-            fmt::format("weight {}: no power of 1-r/rc; allowed: constant, linear, quadratic, root",
-                        name_of(fluid.weight)));
+            fmt::format("weight {}: no power of 1-r/rc; allowed: constant, linear, quadratic, root, power",
+                        name_of(fluid.weight.kind)));
     others.emplace_back(name, number_text(*p / factor));
 }
 
+/// The weight as dpdref has it.
+void write_weight(DpdFluid const& fluid, Assignments& others) {
+    others.emplace_back("weight", name_of(fluid.weight.kind));
+    if (fluid.weight.kind == Weight::power)
+        others.emplace_back("exponent", number_text(fluid.weight.exponent));
+}
+
 [[noreturn]] void refuse_weight(DpdFluid const& fluid, std::string_view instead) {
-    throw InputError(fmt::format("weight {}: {}", name_of(fluid.weight), instead));
+    throw InputError(fmt::format("weight {}: {}", name_of(fluid.weight.kind), instead));
 }
 
 void nothing_to_read(Given const&, DpdFluid&) {}
@@ -94,19 +95,19 @@ void read_pivkin(Given const& given, DpdFluid& fluid) {
 double noguchi_time(DpdFluid const& fluid) { return fluid.rc * std::sqrt(fluid.m / fluid.kT); }
 
 Code dpdref() {
-    return {
-        "dpdref",
-        "dpdref's own; as FROM with the stages shardlow, verlet",
-        Mover::s1,
-        {{Key::gamma, "gamma", "F_D = -gamma w_D (e.v), mass/time", "", true},
-         {Key::other, "weight", "w_D of r/rc", "quadratic"},
-         {Key::rc, "rc", "cutoff, length", "1"},
-         {Key::kT, "kT", "energy", "1"},
-         {Key::a, "a", "F_C = a (1 - r/rc), force", "0", true},
-         {Key::m, "m", "mass", "1"},
-         {Key::dt, "dt", "time step", "-"}},
-        [](Given const& given, DpdFluid& fluid) { fluid.weight = given.weight("weight"); },
-        [](DpdFluid& fluid, Assignments& others) { others.emplace_back("weight", name_of(fluid.weight)); }};
+    return {"dpdref",
+            "dpdref's own; as FROM with the stages shardlow, verlet",
+            Mover::s1,
+            {{Key::gamma, "gamma", "F_D = -gamma w_D (e.v), mass/time", "", true},
+             {Key::other, "weight", "w_D of r/rc", "quadratic"},
+             {Key::other, "exponent", "of weight power, w_D = (1 - r/rc)^exponent", "-", true},
+             {Key::rc, "rc", "cutoff, length", "1"},
+             {Key::kT, "kT", "energy", "1"},
+             {Key::a, "a", "F_C = a (1 - r/rc), force", "0", true},
+             {Key::m, "m", "mass", "1"},
+             {Key::dt, "dt", "time step", "-"}},
+            [](Given const& given, DpdFluid& fluid) { fluid.weight = given.weight("weight"); },
+            [](DpdFluid& fluid, Assignments& others) { write_weight(fluid, others); }};
 }
 
 Code lammps_dpd() {
@@ -269,6 +270,102 @@ Code openmm() {
             }};
 }
 
+Code mirheo() {
+    return {"mirheo",
+            "Mirheo: Pairwise of kind DPD with VelocityVerlet",
+            Mover::leapfrog,
+            {{Key::a, "a", "F_C = a (1 - r/rc), force", "0", true},
+             {Key::gamma, "gamma", "F_D = -gamma w^2 (e.v), mass/time", "", true},
+             {Key::kT, "kBT", "energy"},
+             {Key::other, "power", "w = (1 - r/rc)^power, half the exponent of w_D", "", true},
+             {Key::rc, "rc", "length", "1"},
+             {Key::m, "mass", "of each particle of the ParticleVector", "1"},
+             {Key::dt, "dt", "time", "-"}},
+            [](Given const& given, DpdFluid& fluid) { read_exponent(given, fluid, "power", 2.0); },
+            [](DpdFluid& fluid, Assignments& others) { write_exponent(fluid, others, "power", 2.0); }};
+}
+
+Code uammd() {
+    return {"uammd",
+            "UAMMD: Potential::DPD with VerletNVE",
+            Mover::velocity_verlet,
+            {{Key::kT, "temperature", "kT, energy"},
+             {Key::a, "A", "F_C = A w, force", "0", true},
+             {Key::gamma, "gamma", "F_D = -gamma w^2 (e.v), w = 1 - r/cutOff; mass/time", "", true},
+             {Key::rc, "cutOff", "length", "1"},
+             {Key::m, "mass", "of each particle", "1"},
+             {Key::dt, "dt", "time", "-"}},
+            nothing_to_read,
+            only_quadratic};
+}
+
+Code molly() {
+    return {"molly",
+            "Molly.jl: DPDInteraction with DPDVelocityVerlet",
+            Mover::velocity_verlet,
+            {{Key::a, "a", "F_C = a w, force", "25", true},
+             {Key::gamma, "γ", "F_D = -γ w^2 (e.v), w = 1 - r/r_c; mass/time", "4.5"},
+             {Key::other, "σ", "of w, momentum/time^(1/2); kT is σ^2/(2γ)", "3"},
+             {Key::rc, "r_c", "length", "1"},
+             {Key::m, "mass", "of each atom", "1"},
+             {Key::dt, "dt", "time, of the interaction and of the simulator", "-"},
+             {Key::other, "λ", "of the simulator: velocities predicted for λ dt", "0.65", true}},
+            [](Given const& given, DpdFluid& fluid) {
+                fluid.kT = std::pow(given.number("σ"), 2) / (2.0 * fluid.gamma);
+                fluid.lambda = given.number("λ");
+            },
+            [](DpdFluid& fluid, Assignments& others) {
+                only_quadratic(fluid, others);
+                if (fluid.gamma == 0.0) throw InputError("γ: here kT is σ^2/(2γ); allowed: a number > 0");
+                others.emplace_back("σ", number_text(noise(fluid)));
+                others.emplace_back("λ", number_text(fluid.lambda));
+            }};
+}
+
+Code galamost() {
+    return {"galamost",
+            "GALAMOST and PYGAMD's cu_gala: DPDForce with DPDGWVV",
+            Mover::velocity_verlet,
+            {{Key::a, "alpha", "F_C = alpha (1 - r/r_cut), force", "0", true},
+             {Key::other, "sigma", "noise; gamma = sigma^2/(2 T), of (1 - r/r_cut)^2", "", true},
+             {Key::kT, "T", "kT, energy", "1"},
+             {Key::rc, "r_cut", "length", "1"},
+             {Key::m, "mass", "of each particle", "1"},
+             {Key::dt, "dt", "time", "-"},
+             {Key::other, "lambda", "of DPDGWVV: velocities predicted for lambda dt", "0.65", true}},
+            [](Given const& given, DpdFluid& fluid) {
+                fluid.gamma = std::pow(given.number("sigma"), 2) / (2.0 * fluid.kT);
+                fluid.lambda = given.number("lambda");
+            },
+            [](DpdFluid& fluid, Assignments& others) {
+                only_quadratic(fluid, others);
+                others.emplace_back("sigma", number_text(noise(fluid)));
+                others.emplace_back("lambda", number_text(fluid.lambda));
+            }};
+}
+
+Code pygamd() {
+    return {
+        "pygamd",
+        "PYGAMD in Python: force.dpd with integration.gwvv; kT is 1, lambda 0.65",
+        Mover::velocity_verlet,
+        {{Key::a, "alpha", "F_C = alpha (1 - r/rcut), force", "0", true},
+         {Key::other, "sigma", "noise; gamma = sigma^2/2, of (1 - r/rcut)^2", "", true},
+         {Key::rc, "rcut", "length", "1"},
+         {Key::m, "mass", "of each particle", "1"},
+         {Key::dt, "dt", "time", "-"}},
+        [](Given const& given, DpdFluid& fluid) {
+            fluid.gamma = std::pow(given.number("sigma"), 2) / 2.0;
+            fluid.lambda = 0.65;
+        },
+        [](DpdFluid& fluid, Assignments& others) {
+            only_quadratic(fluid, others);
+            if (fluid.kT != 1.0)
+                throw InputError(fmt::format("kT: {} is not pygamd's; allowed: 1, or galamost", fluid.kT));
+            others.emplace_back("sigma", number_text(noise(fluid)));
+        }};
+}
+
 Code dl_meso() {
     return {"dl_meso",
             "DL_MESO_DPD, ensemble nvt mdvv",
@@ -291,6 +388,7 @@ Code gromacs() {
             {{Key::other, "f", "share of the relative velocity that a step removes at contact, 0 to 1"},
              {Key::other, "direction", "parallel (isotropic friction is not in dpdref)", "parallel"},
              {Key::other, "weight", "of the friction, as dpdref's", "constant"},
+             {Key::other, "exponent", "of weight power", "-", true},
              {Key::rc, "rc", "length", "1"},
              {Key::kT, "kT", "energy"},
              {Key::m, "mass", "of each particle", "1"},
@@ -307,7 +405,7 @@ Code gromacs() {
                 if (!fluid.dt) throw InputError("gromacs: the friction of a step needs the time step");
                 if (fluid.gamma == 0.0) throw InputError("gamma: f would be 0; allowed: a number > 0");
                 others.emplace_back("f", number_text(-std::expm1(-2.0 * fluid.gamma * *fluid.dt / fluid.m)));
-                others.emplace_back("weight", name_of(fluid.weight));
+                write_weight(fluid, others);
             }};
 }
 
@@ -318,6 +416,7 @@ Code marsh_yeomans() {
             {{Key::gamma, "gamma", "of w_D, mass/time"},
              {Key::other, "sigma", "of w_R, momentum/time^(1/2); kT of small steps is sigma^2/(2 gamma)"},
              {Key::other, "weight", "w_D; w_R^2 = w_D", "linear"},
+             {Key::other, "exponent", "of weight power", "-", true},
              {Key::rc, "rc", "length", "1"},
              {Key::m, "m", "mass", "1"},
              {Key::dt, "dt", "time", "-"}},
@@ -329,7 +428,7 @@ Code marsh_yeomans() {
                 if (fluid.gamma == 0.0)
                     throw InputError("gamma: MY1997 needs friction; allowed: a number > 0");
                 others.emplace_back("sigma", number_text(noise(fluid)));
-                others.emplace_back("weight", name_of(fluid.weight));
+                write_weight(fluid, others);
             }};
 }
 
@@ -345,9 +444,9 @@ Code noguchi_gompper() {
              {Key::kT, "kT", "unit of energy", "1"},
              {Key::rc, "rc", "unit of length", "1"}},
             [](Given const& given, DpdFluid& fluid) {
-                fluid.weight = given.weight("weight");
-                if (fluid.weight != Weight::linear && fluid.weight != Weight::constant)
+                if (given.text("weight") != "linear" && given.text("weight") != "constant")
                     given.refuse("weight", "linear, constant");
+                fluid.weight = given.weight("weight");
                 fluid.gamma *= fluid.m / noguchi_time(fluid);
                 fluid.a *= fluid.kT / fluid.rc;
                 if (fluid.dt) *fluid.dt *= noguchi_time(fluid);
@@ -358,7 +457,7 @@ Code noguchi_gompper() {
                 fluid.gamma /= fluid.m / noguchi_time(fluid);
                 fluid.a /= fluid.kT / fluid.rc;
                 if (fluid.dt) *fluid.dt /= noguchi_time(fluid);
-                others.emplace_back("weight", name_of(fluid.weight));
+                write_weight(fluid, others);
             }};
 }
 
@@ -383,11 +482,25 @@ Code pivkin_karniadakis() {
 }  // namespace
 
 std::span<Code const> codes() {
-    static std::vector<Code> const all{dpdref(),          lammps_dpd(),        lammps_dpd_tstat(),
-                                       lammps_dpd_ext(),  lammps_dpd_fdt(),    espresso(),
-                                       hoomd_dpd(),       hoomd_azplugins(),   openmm(),
-                                       dl_meso(),         gromacs(),           marsh_yeomans(),
-                                       noguchi_gompper(), pivkin_karniadakis()};
+    static std::vector<Code> const all{dpdref(),
+                                       lammps_dpd(),
+                                       lammps_dpd_tstat(),
+                                       lammps_dpd_ext(),
+                                       lammps_dpd_fdt(),
+                                       espresso(),
+                                       hoomd_dpd(),
+                                       hoomd_azplugins(),
+                                       openmm(),
+                                       mirheo(),
+                                       uammd(),
+                                       molly(),
+                                       galamost(),
+                                       pygamd(),
+                                       dl_meso(),
+                                       gromacs(),
+                                       marsh_yeomans(),
+                                       noguchi_gompper(),
+                                       pivkin_karniadakis()};
     return all;
 }
 

@@ -31,6 +31,28 @@ double* member(DpdFluid& fluid, Key::Role role) {
     }
 }
 
+// What a step of a mover consists of, as a scene lists it.
+std::string_view stages(Mover mover, bool repels) {
+    switch (mover) {
+        case Mover::velocity_verlet:
+            return R"("modified_verlet", "sample")";
+        case Mover::euler:
+            return repels ? R"("euler", "force", "sample", "drift", "kick")"
+                          : R"("euler", "sample", "drift", "kick")";
+        case Mover::leapfrog:
+            return repels ? R"("euler", "force", "kick", "drift", "sample")"
+                          : R"("euler", "kick", "drift", "sample")";
+        case Mover::middle:
+            if (repels)
+                return R"("half_kick", "half_kick", "half_drift", "shardlow", "half_drift", "sample")";
+            break;
+        case Mover::s1:
+        case Mover::exponential:
+            break;
+    }
+    return repels ? R"("shardlow", "sample", "verlet")" : R"("shardlow", "sample", "drift")";
+}
+
 [[noreturn]] void refuse_overflow(std::string const& what) {
     throw InputError(fmt::format("{}: is not finite there: a parameter is too large or too small", what));
 }
@@ -81,32 +103,50 @@ std::string scene_fragment(DpdFluid const& fluid, Mover mover) {
     double const sigma = noise(fluid), strength = fluid.a * fluid.rc;
     if (!std::isfinite(sigma)) refuse_overflow("dpdref: sigma");
     if (!std::isfinite(strength)) refuse_overflow("dpdref: soft.strength");
+    bool const forces = mover == Mover::velocity_verlet;
+    bool const euler = mover == Mover::euler || mover == Mover::leapfrog;
     // with no repulsion the middle scheme is the other one seen half a drift earlier
     bool const kicks = mover == Mover::middle && repels;
-    bool const forces = mover == Mover::velocity_verlet, euler = mover == Mover::euler;
-    std::string_view const stages =
-        forces   ? R"("modified_verlet", "sample")"
-        : euler  ? R"("euler", "sample", "drift", "kick")"
-        : kicks  ? R"("half_kick", "half_kick", "half_drift", "shardlow", "half_drift", "sample")"
-        : repels ? R"("shardlow", "sample", "verlet")"
-                 : R"("shardlow", "sample", "drift")";
-    std::string text =
-        fmt::format("stages = [{}]\n[particles]\nmass = {}\nkT = {}\n", stages, fluid.m, fluid.kT);
-    if (forces || euler)
-        text += fmt::format("[{}]\ngamma = {}\nsigma = {}\n", forces ? "modified_verlet" : "euler",
-                            fluid.gamma, sigma);
-    else
-        text += fmt::format("[shardlow]\nfriction = {}\nkT = {}\nscheme = \"{}\"\n", fluid.gamma, fluid.kT,
-                            mover == Mover::s1 ? "shardlow" : "exponential");
-    text += fmt::format("weight = \"{}\"\ncutoff = {}\n", name_of(fluid.weight), fluid.rc);
-    if (repels || forces)
-        text += fmt::format("[{}.soft]\nstrength = {}\ncutoff = {}\n",
-                            forces  ? "modified_verlet"
-                            : kicks ? "half_kick"
-                                    : "verlet",
-                            strength, fluid.rc);
-    if (fluid.dt) text += fmt::format("[time]\nstep = {}\n", *fluid.dt);
+    std::string_view const potential = forces  ? "modified_verlet"
+                                       : euler ? "force"
+                                       : kicks ? "half_kick"
+                                               : "verlet";
+    std::string_view const thermostat = forces ? "modified_verlet" : euler ? "euler" : "shardlow";
+    std::string text = fmt::format("stages = [{}]\nparticles.mass = {}\nparticles.kT = {}\n",
+                                   stages(mover, repels), fluid.m, fluid.kT);
+    auto const add = [&](std::string_view table, std::string_view key, auto const& value) {
+        text += fmt::format("{}.{} = {}\n", table, key, value);
+    };
+    auto const quoted = [](std::string_view word) { return fmt::format("\"{}\"", word); };
+    if (forces || euler) {
+        add(thermostat, "gamma", fluid.gamma);
+        add(thermostat, "sigma", sigma);
+        if (forces && fluid.lambda != 0.5) add(thermostat, "lambda", fluid.lambda);
+    } else {
+        add(thermostat, "friction", fluid.gamma);
+        add(thermostat, "kT", fluid.kT);
+        add(thermostat, "scheme", quoted(mover == Mover::s1 ? "shardlow" : "exponential"));
+    }
+    add(thermostat, "weight", quoted(name_of(fluid.weight.kind)));
+    if (fluid.weight.kind == Weight::power) add(thermostat, "exponent", fluid.weight.exponent);
+    add(thermostat, "cutoff", fluid.rc);
+    if (repels || forces) {
+        add(potential, "soft.strength", strength);
+        add(potential, "soft.cutoff", fluid.rc);
+    }
+    if (fluid.dt) add("time", "step", *fluid.dt);
     return text;
+}
+
+std::string rest_of_scene(DpdFluid const& fluid) {
+    double const step = fluid.dt.value_or(0.01 * fluid.rc * std::sqrt(fluid.m / fluid.kT));
+    std::string text = fmt::format(
+        "# This runs once how much of it, and how long, are said, for example:\n# dimension = 3\n"
+        "# box.length = [{0}, {0}, {0}]\n# particles.number = 3000\n",
+        10.0 * fluid.rc);
+    if (!fluid.dt) text += fmt::format("# time.step = {:.3g}\n", step);
+    return text + fmt::format("# time.duration = {:.3g}\n# sample.observables = [\"kinetic_temperature\"]\n",
+                              1000.0 * step);
 }
 
 }  // namespace dpd

@@ -28,9 +28,11 @@ struct DpdFluid {
     double m = 1.0;                     ///< mass of each particle
     double a = 0.0;                     ///< repulsion at contact, force; the energy there is a rc/2
     std::optional<double> dt = {};      ///< time step, if known
+    double lambda = 0.5;  ///< share of the step for which a mover that predicts velocities does it
 };
 
-/// p of w_D = (1 - x)^p; nothing for the parabolic weight, which is no power of it.
+/// p of w_D = (1 - x)^p, whatever the weight is called; nothing for the parabolic one, which is no power of
+/// it.
 std::optional<double> exponent(Weight weight);
 
 /// Strength of the noise, sigma = (2 gamma kT)^(1/2), momentum/time^(1/2).
@@ -40,11 +42,13 @@ using Assignments = std::vector<std::pair<std::string, std::string>>;
 
 /// How a code moves particles, as far as its forces' convention depends on it.
 enum class Mover {
-    velocity_verlet,  ///< friction from the velocities at half step: stage `modified_verlet`, lambda 1/2
+    velocity_verlet,  ///< friction from predicted velocities, with lambda 1/2 those at half step: stage
+                      ///< `modified_verlet`
     s1,               ///< pair after pair, then the potential: `shardlow`, `verlet`
     exponential,      ///< the same with the pair's Langevin equation solved exactly
     middle,           ///< kick, half drift, exponential, half drift (OpenMM's LFMiddle)
-    euler,            ///< MY1997
+    euler,            ///< MY1997: from the state before, moves with the old momentum
+    leapfrog,         ///< the same, moves with the new one: `euler`, `force`, `kick`, `drift`
 };
 
 /// One parameter of a code.
@@ -85,7 +89,13 @@ DpdFluid read_fluid(Code const& code, Assignments const& given);
 /// InputError: what the code cannot have, by name, and what can.
 Assignments write_fluid(Code const& code, DpdFluid fluid);
 
-/// The part of a scene (TOML) that says the same: stages, friction, repulsion, mass, kT and time step.
+/// The part of a scene (TOML) that says the same: stages, friction, repulsion, mass, kT and time step. Its
+/// keys are dotted, so that lines before and after it can be what is left to say: box, number of particles,
+/// duration.
 std::string scene_fragment(DpdFluid const& fluid, Mover mover);
+
+/// What that part lacks of a scene that runs, as comments: box, number of particles, duration, and the time
+/// step if it is not known. They are not the fluid's, so that the values are an example.
+std::string rest_of_scene(DpdFluid const& fluid);
 
 }  // namespace dpd

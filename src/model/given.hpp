@@ -52,10 +52,20 @@ public:
         return number;
     }
 
-    /// A weight function by its name.
+    /// A weight function by its name, with the parameter `exponent` where that is `power`.
     Weight weight(std::string_view name) const {
-        if (auto const found = value_of<Weight>(text(name))) return *found;
-        refuse(name, name_list<Weight>());
+        auto const kind = value_of<Weight::Kind>(text(name));
+        if (!kind) refuse(name, name_list<Weight::Kind>());
+        bool const takes_exponent = std::ranges::find(code_.keys, "exponent", &Key::name) != code_.keys.end();
+        if (*kind != Weight::power) {
+            if (takes_exponent && has("exponent")) refuse("exponent", "none; it is of weight power alone");
+            return *kind;
+        }
+        if (!has("exponent"))
+            throw InputError(fmt::format("{}: exponent: is missing; weight power needs it", code_.name));
+        double const exponent = number("exponent");
+        if (exponent > largest_exponent) refuse("exponent", fmt::format("0 to {}", largest_exponent));
+        return power_weight(exponent);
     }
 
     /// The value is one that the code has and dpdref does not, or none at all.

@@ -65,6 +65,21 @@ using TheoryArguments = std::map<std::string, std::string>;
 /// A number as the command line has it.
 inline std::string argument(double value) { return fmt::format("{}", value); }
 
+/// The weight that a table names, with `exponent` beside it where that is `power`. InputError as for scenes.
+inline Weight read_weight(TomlReader& table, std::optional<std::string> fallback) {
+    static_assert(largest_exponent == 100.0);
+    static constexpr Allowed exponents{[](double x) { return x >= 0.0 && x <= largest_exponent; },
+                                       "a number from 0 to 100"};
+    auto const kind = table.choice<Weight::Kind>("weight", std::move(fallback));
+    return kind == Weight::power ? power_weight(table.number("exponent", std::nullopt, exponents)) : kind;
+}
+
+/// Adds a weight by the names that the closed forms have for it.
+inline void set_weight_arguments(TheoryArguments& arguments, Weight weight) {
+    arguments["weight"] = name_of(weight.kind);
+    if (weight.kind == Weight::power) arguments["exponent"] = argument(weight.exponent);
+}
+
 /// What every stage says of itself beside its `kind`, here of one that has no parameters and acts on no
 /// pairs.
 struct WithoutParameters {
@@ -115,7 +130,7 @@ struct Shardlow {
         friction = table.number("friction", std::nullopt, non_negative);
         cutoff = table.number("cutoff", 1.0, positive);
         kT = table.number("kT", 1.0, non_negative);
-        weight = table.choice<Weight>("weight", "linear");
+        weight = read_weight(table, "linear");
         scheme = table.choice<Scheme>("scheme", "shardlow");
         if (scheme == Scheme::linear && friction * setting.time_step > setting.mass)
             table.fail("friction", fmt::format("{} times the step is above the mass; allowed with scheme "
@@ -128,7 +143,7 @@ struct Shardlow {
         arguments["gamma"] = argument(friction);
         arguments["rc"] = argument(cutoff);
         arguments["kT"] = argument(kT);
-        arguments["weight"] = name_of(weight);
+        set_weight_arguments(arguments, weight);
         arguments["scheme"] = name_of(scheme);
     }
 };
@@ -181,8 +196,13 @@ struct EulerImpulses {
         gamma = table.number("gamma", std::nullopt, non_negative);
         sigma = table.number("sigma", std::nullopt, non_negative);
         cutoff = table.number("cutoff", 1.0, positive);
-        weight = table.choice<Weight>("weight", "linear");
-        if (table.has("random_weight")) random_weight = table.choice<Weight>("random_weight", std::nullopt);
+        weight = read_weight(table, "linear");
+        if (!table.has("random_weight")) return;
+        random_weight = table.choice<Weight::Kind>("random_weight", std::nullopt);
+        if (random_weight->kind == Weight::power)
+            table.fail("random_weight",
+                       "'power' has no exponent of its own; allowed: a weight without one, or "
+                       "none, for the root of `weight`");
     }
     double range() const { return cutoff; }
     double temperature() const { return balanced_temperature(gamma, sigma); }
@@ -192,8 +212,8 @@ struct EulerImpulses {
         arguments["gamma"] = argument(gamma);
         arguments["sigma"] = argument(sigma);
         arguments["rc"] = argument(cutoff);
-        arguments["weight"] = name_of(weight);
-        if (random_weight) arguments["random_weight"] = name_of(*random_weight);
+        set_weight_arguments(arguments, weight);
+        if (random_weight) arguments["random_weight"] = name_of(random_weight->kind);
     }
 };
 
@@ -282,7 +302,7 @@ struct ModifiedVerlet {
         gamma = table.number("gamma", std::nullopt, non_negative);
         sigma = table.number("sigma", std::nullopt, non_negative);
         cutoff = table.number("cutoff", 1.0, positive);
-        weight = table.choice<Weight>("weight", "quadratic");
+        weight = read_weight(table, "quadratic");
         lambda = table.number("lambda", 0.5, non_negative);
         friction_again = table.boolean("friction_again", false);
         potential = read_potential(table, setting.coarse_grained);
@@ -294,7 +314,7 @@ struct ModifiedVerlet {
         arguments["sigma"] = argument(sigma);
         arguments["rc"] = argument(cutoff);
         arguments["kT"] = argument(temperature());
-        arguments["weight"] = name_of(weight);
+        set_weight_arguments(arguments, weight);
         set_potential_arguments(arguments, potential);
     }
 };

@@ -391,7 +391,7 @@ std::vector<StabilityMap> load_stability(std::filesystem::path const& path, std:
     auto const known_integrators = read_integrators(*definitions);
     auto const integrators = chosen_integrators(root, known_integrators);
     StartRun const start = read_start(root.required_table("start"), known_integrators);
-    auto const weight = root.choice<Weight>("weight", std::nullopt);
+    auto const weight = read_weight(root, std::nullopt);
 
     auto const [range, length] = read_budget(root, budget, [](TomlReader& table) {
         StepRange const r{.smallest = table.number("smallest", std::nullopt, positive),

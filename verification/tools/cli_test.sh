@@ -116,12 +116,18 @@ expect 2 ng8 "'n'" -- theory ng8 d=3 gamma=9 dt=0.1
 expect 2 "'n'" x -- theory ng8 d=3 n=x gamma=9 dt=0.1
 expect 2 "'n'" -1 -- theory ng8 d=3 n=-1 gamma=9 dt=0.1
 expect 2 dt key=value -- theory ng8 d=3 n=3 gamma=9 dt
+expect 0 -- theory ng8 n=3 gamma=9 dt=0.1 weight=power exponent=1.5
+expect 2 "needs parameter 'exponent'" -- theory ng8 n=3 gamma=9 dt=0.1 weight=power
 
 # --- run: bad input -------------------------------------------------------------------------------------
 expect 2 missing.toml -- run missing.toml
 expect 2 "cannot be read" -- run "$work"
 expect 2 allowed "a number > 0" time.step -- run scene.toml --set time.step=-1
 expect 2 shardlow.weight allowed quadratic -- run scene.toml --set shardlow.weight=cubic
+expect 0 -- run scene.toml --set shardlow.weight=power --set shardlow.exponent=1.5
+expect 2 shardlow.exponent "is missing" -- run scene.toml --set shardlow.weight=power
+expect 2 shardlow.exponent "0 to 100" -- run scene.toml --set shardlow.weight=power --set shardlow.exponent=-1
+expect 2 shardlow.exponent "unknown key" -- run scene.toml --set shardlow.exponent=1
 expect 2 time.speed "unknown key" -- run scene.toml --set time.speed=1
 expect 2 table.key=value -- run scene.toml --set time.step
 sed 's/step = 0.1/step = fast/' scene.toml >syntax.toml
@@ -401,6 +407,16 @@ expect 2 "nested" -- run scene.toml --set "$(printf 'a.%.0s' {1..3000})a=1"
 expect 2 "nested" -- run deep.toml
 
 # --- outputs that take nothing, inputs that are no files -------------------------------------------------
+# what convert prints for dpdref runs with its comments opened, and with lines of one's own before and behind
+for words in "lammps-dpd T=1 A=25 gamma=4.5 timestep=0.02" "mirheo a=25 gamma=4.5 kBT=1 power=0.75"; do
+    expect 0 -- convert ${words%% *} dpdref ${words#* }
+    sed 's/^# \(.* = .*\)/\1/; s/number = 3000/number = 50/' out >converted.toml
+    expect 0 -- run converted.toml
+    expect 0 -- convert ${words%% *} dpdref ${words#* }
+    { echo "dimension = 2"; cat out; echo "box.length = [5.0, 5.0]"; echo "particles.number = 50"
+      echo "time.duration = 0.2"; echo "time.step = 0.02"; } | awk '!/^time.step/ || !seen++' >converted.toml
+    expect 0 -- run converted.toml
+done
 for arguments in "run scene.toml" "run scene.toml --json" "theory" "convert"; do
     # shellcheck disable=SC2086
     "$dpdref" $arguments >/dev/full 2>err

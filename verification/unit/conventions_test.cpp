@@ -9,9 +9,11 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <sstream>
 
 #include "errors.hpp"
 #include "potential.hpp"
+#include "run.hpp"
 #include "scene.hpp"
 #include "scheme.hpp"
 
@@ -74,6 +76,9 @@ std::vector<ForceCase> force_cases() {
          square,
          lammps_noise},
         // PairDPDExt::compute: pow(wd, ws) in the noise, its square in the friction
+        {"lammps-dpd-ext", with(common("T", "A", "cutoff", "timestep"), {{"gamma", "4.5"}, {"ws", "0.65"}}),
+         linear, [](double r) { return gamma_ * std::pow(std::pow(w(r), 0.65), 2); },
+         [=](double r) { return rate(std::pow(lammps_sigma * std::pow(w(r), 0.65) * random_dt, 2)); }},
         {"lammps-dpd-ext", with(common("T", "A", "cutoff", "timestep"), {{"gamma", "4.5"}, {"ws", "0.25"}}),
          linear, [](double r) { return gamma_ * std::pow(std::pow(w(r), 0.25), 2); },
          [=](double r) { return rate(std::pow(lammps_sigma * std::pow(w(r), 0.25) * random_dt, 2)); }},
@@ -103,6 +108,47 @@ std::vector<ForceCase> force_cases() {
          [](double r) { return gamma_ * std::pow(std::pow(w(r), 0.25), 2); },
          [=](double r) {
              return rate(6 * kT * gamma_ / dt * std::pow(std::pow(w(r), 0.25), 2) *
+                         mean_square_uniform(-1, 1));
+         }},
+        {"hoomd-azplugins", with(common("kT", "A", "r_cut", "dt"), {{"gamma", "4.5"}, {"s", "3"}}), linear,
+         [](double r) { return gamma_ * std::pow(std::pow(w(r), 1.5), 2); },
+         [=](double r) {
+             return rate(6 * kT * gamma_ / dt * std::pow(std::pow(w(r), 1.5), 2) *
+                         mean_square_uniform(-1, 1));
+         }},
+        // PairwiseDPDHandler: -(gamma wr rdotv + sigma xi) wr, wr = (1 - r/rc)^power, sigma = sqrt(2 gamma
+        // kBT/dt)
+        {"mirheo", with(common("kBT", "a", "rc", "dt"), {{"gamma", "4.5"}, {"power", "0.75"}}), linear,
+         [](double r) { return gamma_ * std::pow(w(r), 0.75) * std::pow(w(r), 0.75); },
+         [=](double r) { return rate(2 * gamma_ * kT / dt * std::pow(std::pow(w(r), 0.75), 2)); }},
+        // DPD_impl::ForceTransverser: -g wr^2, a normal number of deviation sqrt(2 T) / sqrt(dt) sqrt(g) wr
+        {"uammd", with(common("temperature", "A", "cutOff", "dt"), {{"gamma", "4.5"}}), linear, square,
+         [=](double r) {
+             return rate(std::pow(std::sqrt(2 * kT) * random_dt * std::sqrt(gamma_) * w(r), 2));
+         }},
+        // DPDInteraction: a w, gamma w^2, sigma w xi/sqrt(dt)
+        {"molly",
+         {{"a", "18"},
+          {"γ", "2.2"},
+          {"σ", "1.9"},
+          {"r_c", "1.6"},
+          {"mass", "2.5"},
+          {"dt", "0.03"},
+          {"λ", "0.5"}},
+         linear,
+         [=](double r) { return my_gamma * w(r) * w(r); },
+         [=](double r) { return rate(std::pow(my_sigma * w(r) * random_dt, 2)); }},
+        // manual of DPDForce: gamma = sigma^2/(2 T) of w^2, sigma w xi
+        {"galamost", with(common("T", "alpha", "r_cut", "dt"), {{"sigma", "3"}, {"lambda", "0.5"}}), linear,
+         [=](double r) { return pk_gamma * w(r) * w(r); },
+         [=](double r) { return rate(std::pow(pk_sigma * w(r) * random_dt, 2)); }},
+        // cu_dpd_force: gamma = sigma^2/2, a number from [-1, 1] times sqrt(3) T sigma, with T = 1
+        {"pygamd",
+         {{"alpha", "18"}, {"sigma", "3"}, {"rcut", "1.6"}, {"mass", "2.5"}, {"dt", "0.03"}},
+         linear,
+         [=](double r) { return 0.5 * pk_sigma * pk_sigma * w(r) * w(r); },
+         [=](double r) {
+             return rate(std::pow(std::sqrt(3.0) * 1.0 * pk_sigma * w(r) * random_dt, 2) *
                          mean_square_uniform(-1, 1));
          }},
         // manual: -gamma w_D, sigma w_R xi/sqrt(dt), w_D = w_R^2 = (1 - r/rc)^2
@@ -267,11 +313,14 @@ BOOST_AUTO_TEST_CASE(round_trips) {
             check_same(own, write_fluid(from, read_fluid(to, there)));
         }
     }
-    // with repulsion and the quadratic weight: not tstat, gromacs, MY1997 (no repulsion), nor NG2007 (weight)
-    BOOST_TEST(ways["lammps-dpd"] == 10);
-    BOOST_TEST(ways["openmm"] == 13);         // without repulsion: all but NG2007
-    BOOST_TEST(ways["lammps-dpd-ext"] == 3);  // root weight with repulsion: dpdref, dpd/ext, azplugins
-    BOOST_TEST(ways["MY1997"] == 6);          // linear: dpdref, dpd/ext, azplugins, gromacs, both papers
+    // with repulsion and the quadratic weight: not tstat, gromacs, MY1997 (no repulsion), nor NG2007
+    // (weight), nor pygamd (kT)
+    BOOST_TEST(ways["lammps-dpd"] == 14);
+    BOOST_TEST(ways["openmm"] == 17);         // without repulsion: all but NG2007 and pygamd
+    BOOST_TEST(ways["pygamd"] == 15);         // kT = 1: not tstat, gromacs, MY1997, NG2007
+    BOOST_TEST(ways["lammps-dpd-ext"] == 4);  // a power with repulsion: dpdref, dpd/ext, azplugins, Mirheo
+    BOOST_TEST(ways["mirheo"] == 4);
+    BOOST_TEST(ways["MY1997"] == 7);  // linear: dpdref, dpd/ext, azplugins, Mirheo, gromacs, both papers
 }
 
 BOOST_AUTO_TEST_CASE(numbers_are_known) {
@@ -309,6 +358,15 @@ BOOST_AUTO_TEST_CASE(what_a_code_cannot_have_is_refused_by_name) {
     refuses("MY1997", {.gamma = 0}, "needs friction");
     refuses("hoomd-dpd", {.gamma = 0}, "DPDConservative");
     refuses("gromacs", {.gamma = 4.5}, "needs the time step");
+    DpdFluid const cubic{.gamma = 4.5, .weight = power_weight(3.0)};
+    refuses("lammps-dpd", cubic, "use lammps-dpd-ext, ws=1.5");
+    refuses("hoomd-dpd", cubic, "use hoomd-azplugins, s=3");
+    refuses("openmm", cubic, "weight power: this code has (1-r/rc)^2 alone");
+    refuses("mirheo", {.gamma = 4.5, .weight = Weight::parabolic}, "no power of 1-r/rc");
+    for (char const* const code : {"uammd", "molly", "galamost", "pygamd"})
+        refuses(code, cubic, "allowed: quadratic");
+    refuses("molly", {.gamma = 0}, "allowed: a number > 0");
+    refuses("pygamd", {.gamma = 4.5, .kT = 2.0}, "allowed: 1, or galamost");
     refuses("gromacs", {.gamma = 0, .dt = 0.1}, "allowed: a number > 0");
 }
 
@@ -326,7 +384,13 @@ BOOST_AUTO_TEST_CASE(bad_parameters_get_one_line) {
     refuses("lammps-dpd", {{"T", "inf"}, {"gamma", "1"}}, "'inf' is not allowed");
     refuses("lammps-dpd", {{"T", "1"}, {"gamma", "1"}, {"sigma", "3"}}, "unknown key; allowed: T, A, gamma");
     refuses("lammps-dpd", {{"T", "1"}, {"gamma", "1"}, {"T", "1"}}, "given twice");
-    refuses("lammps-dpd-ext", {{"T", "1"}, {"gamma", "1"}, {"ws", "0.7"}}, "0, 0.25, 0.5, 1");
+    refuses("lammps-dpd-ext", {{"T", "1"}, {"gamma", "1"}, {"ws", "51"}}, "allowed: 0 to 50");
+    refuses("hoomd-azplugins", {{"kT", "1"}, {"gamma", "1"}, {"s", "101"}}, "allowed: 0 to 100");
+    refuses("mirheo", {{"kBT", "1"}, {"gamma", "1"}, {"power", "-1"}}, "a number >= 0");
+    refuses("dpdref", {{"gamma", "1"}, {"weight", "power"}}, "exponent: is missing");
+    refuses("dpdref", {{"gamma", "1"}, {"weight", "power"}, {"exponent", "101"}}, "allowed: 0 to 100");
+    refuses("dpdref", {{"gamma", "1"}, {"weight", "linear"}, {"exponent", "1"}}, "of weight power alone");
+    refuses("molly", {{"σ", "0"}}, "a number > 0");
     refuses("lammps-dpd-ext", {{"T", "1"}, {"gamma", "1"}, {"ws", "1"}, {"gammaT", "2"}}, "line of centres");
     refuses("espresso", {{"kT", "1"}, {"gamma", "1"}, {"weight_function", "2"}}, "allowed: 0, 1");
     refuses("espresso", {{"kT", "1"}, {"gamma", "1"}, {"weight_function", "1"}, {"k", "2"}}, "another k");
@@ -340,6 +404,48 @@ BOOST_AUTO_TEST_CASE(bad_parameters_get_one_line) {
     refuses("PK2006", {{"gamma", "9"}}, "two of gamma, sigma, kT");
     refuses("PK2006", {{"gamma", "4.5"}, {"sigma", "3"}, {"kT", "2"}}, "not 2 gamma kT");
     refuses("PK2006", {{"gamma", "0"}, {"sigma", "3"}}, "a number > 0, or kT");
+}
+
+// The general weight: its name where it has one, and the same exponent by three conventions.
+BOOST_AUTO_TEST_CASE(powers_go_from_code_to_code) {
+    auto const parameter = [](std::string const& from, Assignments const& given, std::string const& to,
+                              std::string const& key) -> std::string {
+        for (auto const& [name, value] : write_fluid(find_code(to), read_fluid(find_code(from), given)))
+            if (name == key) return value;
+        return "none";
+    };
+    Assignments const lammps{{"T", "1"}, {"gamma", "4.5"}, {"ws", "0.75"}},
+        half{{"T", "1"}, {"gamma", "4.5"}, {"ws", "1"}};
+    BOOST_TEST(parameter("lammps-dpd-ext", lammps, "dpdref", "weight") == "power");
+    BOOST_TEST(parameter("lammps-dpd-ext", lammps, "dpdref", "exponent") == "1.5");
+    BOOST_TEST(parameter("lammps-dpd-ext", lammps, "hoomd-azplugins", "s") == "1.5");
+    BOOST_TEST(parameter("lammps-dpd-ext", lammps, "mirheo", "power") == "0.75");
+    BOOST_TEST(parameter("lammps-dpd-ext", half, "dpdref", "weight") == "quadratic");
+    BOOST_TEST(parameter("lammps-dpd-ext", half, "dpdref", "exponent") == "none");
+    // the share of the step for which velocities are predicted is LAMMPS's half, not GALAMOST's default
+    BOOST_TEST(parameter("lammps-dpd-ext", half, "galamost", "lambda") == "0.5");
+    BOOST_TEST(parameter("pygamd", {{"sigma", "3"}}, "galamost", "lambda") == "0.65");
+}
+
+// What convert prints for dpdref is a scene once its comments with an equals sign are opened.
+BOOST_AUTO_TEST_CASE(fragments_run_with_their_comments_opened) {
+    std::map<std::string, Assignments> cases;
+    for (auto const& c : update_cases()) cases.emplace(c.code, c.parameters);
+    for (auto const& c : force_cases()) cases.emplace(c.code, c.parameters);
+    for (auto const& code : codes())
+        for (bool const timed : {true, false}) BOOST_TEST_CONTEXT(code.name << (timed ? "" : ", no step")) {
+                auto fluid = read_fluid(code, cases.at(std::string(code.name)));
+                if (!timed) fluid.dt.reset();
+                std::istringstream lines(scene_fragment(fluid, code.mover) + rest_of_scene(fluid));
+                std::string text;
+                for (std::string line; std::getline(lines, line);)
+                    text += (line.starts_with("# ") && line.find(" = ") != std::string::npos ? line.substr(2)
+                                                                                             : line) +
+                            "\n";
+                auto const scene = parse_scene(text, "scene", {"particles.number=20"});
+                BOOST_TEST(scene.time_step > 0.0);
+                BOOST_TEST(run(scene).kinetic_temperature > 0.0);
+            }
 }
 
 BOOST_AUTO_TEST_CASE(fragments_are_scenes) {
@@ -371,5 +477,10 @@ BOOST_AUTO_TEST_CASE(fragments_are_scenes) {
         scene_of("openmm", {{"temperature", "300"}, {"mass", "2"}, {"friction", "6.75"}, {"A", "25"}});
     BOOST_TEST(openmm.has_stage("half_kick"));
     BOOST_TEST(scene_of("MY1997", {{"gamma", "1"}, {"sigma", "1"}}).has_stage("euler"));
+    BOOST_TEST(scene_of("galamost", {{"sigma", "3"}}).stage<ModifiedVerlet>()->lambda == 0.65);
+    BOOST_TEST(scene_of("molly", {{"λ", "0.6"}}).stage<ModifiedVerlet>()->lambda == 0.6);
+    auto const mirheo = scene_of("mirheo", {{"a", "25"}, {"gamma", "4.5"}, {"kBT", "1"}, {"power", "0.75"}});
+    BOOST_TEST(mirheo.has_stage("force"));
+    BOOST_TEST((mirheo.stage<EulerImpulses>()->weight == power_weight(1.5)));
     BOOST_TEST(scene_of("lammps-dpd-fdt", {{"T", "1"}, {"sigma", "3"}, {"A", "25"}}).has_stage("verlet"));
 }

@@ -81,7 +81,7 @@ void compare_searches(std::array<double, d> length, Eigen::Index n, double shear
 
 template <int d>
 std::vector<Stage<d>> stages_named(std::string const& method, int weight) {
-    auto const w = static_cast<Weight>(weight);
+    auto const w = static_cast<Weight::Kind>(weight);
     Stage<d> const euler{EulerImpulses{.gamma = 1.5, .sigma = 1.2, .weight = w}};
     Stage<d> const kick{Kick{}}, drift{Drift{}};
     if (method == "euler, new momentum") return {euler, kick, drift};

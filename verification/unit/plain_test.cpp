@@ -128,6 +128,16 @@ std::string const soft = "soft.strength = 12.5\nsoft.cutoff = 0.9\n",
                   lennard_jones =
                       "lennard_jones.epsilon = 0.7\nlennard_jones.sigma = 0.6\nlennard_jones.cutoff = 1.3\n";
 
+// Every weight, as the lines of a stage's table; two of the powers.
+std::vector<std::string> const weights = [] {
+    std::vector<std::string> lines;
+    for (auto const kind : names<Weight::Kind>)
+        if (kind != name_of(Weight::power)) lines.push_back(fmt::format("weight = \"{}\"\n", kind));
+    for (double const exponent : {0.3, 3.0})
+        lines.push_back(fmt::format("weight = \"power\"\nexponent = {}\n", exponent));
+    return lines;
+}();
+
 // Stage lists with their parameters; a sample after each stage.
 std::vector<std::string> stage_lists(bool walls) {
     std::vector<std::string> lists;
@@ -140,37 +150,38 @@ std::vector<std::string> stage_lists(bool walls) {
     };
     std::vector<std::string> const potentials = walls ? std::vector{soft} : std::vector{soft, lennard_jones};
     for (auto const& potential : potentials)
-        for (auto const weight : names<Weight>)
+        for (auto const& weight : weights)
             for (char const* options :
                  {"", "lambda = 0.65\n", "friction_again = true\n", "lambda = 0.3\nfriction_again = true\n"})
                 add({"modified_verlet", "body_force"},
                     forces("modified_verlet",
-                           fmt::format("gamma = 4.5\nsigma = 3.0\ncutoff = 1.1\nweight = \"{}\"\n{}", weight,
-                                       options),
+                           fmt::format("gamma = 4.5\nsigma = 3.0\ncutoff = 1.1\n{}{}", weight, options),
                            potential) +
                         "[body_force]\nacceleration = 0.3\n");
     if (walls) return lists;
-    for (auto const weight : names<Weight>)
+    for (auto const& weight : weights)
         for (auto const scheme : names<Scheme>)
             for (double const cutoff : {1.0, 0.7})
-                add({"shardlow", "drift"}, fmt::format("[shardlow]\nfriction = 6.5\nkT = 0.8\nweight = "
-                                                       "\"{}\"\nscheme = \"{}\"\ncutoff = {}\n",
+                add({"shardlow", "drift"}, fmt::format("[shardlow]\nfriction = 6.5\nkT = 0.8\n"
+                                                       "{}scheme = \"{}\"\ncutoff = {}\n",
                                                        weight, scheme, cutoff));
     for (double const rate : {0.0, 9.0, 20.0, 37.0, 60.0}) {  // 0, 0.45, 1, 1.85 and 3 per step
         add({"lowe", "drift"}, fmt::format("[lowe]\nrate = {}\nkT = 1.3\ncutoff = 0.9\n", rate));
         add({"lowe", "verlet"},
             fmt::format("[lowe]\nrate = {}\ncutoff = 0.6\n[verlet]\nsubsteps = 2\n{}", rate, soft));
     }
-    for (auto const weight : names<Weight>) {
-        std::string const euler = fmt::format("[euler]\ngamma = 4.0\nsigma = 2.5\nweight = \"{}\"\n", weight);
+    for (auto const& weight : weights) {
+        std::string const euler = fmt::format("[euler]\ngamma = 4.0\nsigma = 2.5\n{}", weight);
         add({"euler", "kick", "drift"}, euler);
         add({"euler", "drift", "kick"}, euler);
-        for (auto const random : names<Weight>)
+        for (auto const random : names<Weight::Kind>) {
+            if (random == name_of(Weight::power)) continue;
             add({"euler", "drift", "kick"},
                 euler + fmt::format("cutoff = 1.2\nrandom_weight = \"{}\"\n", random));
+        }
         for (auto const& potential : potentials)
             add({"euler", "force", "drift", "kick"}, euler + forces("force", "", potential));
-        std::string const shardlow = fmt::format("[shardlow]\nfriction = 6.5\nweight = \"{}\"\n", weight);
+        std::string const shardlow = fmt::format("[shardlow]\nfriction = 6.5\n{}", weight);
         for (auto const& potential : potentials) {
             for (int const substeps : {1, 3})
                 add({"shardlow", "verlet"},

@@ -325,7 +325,7 @@ BOOST_DATA_TEST_CASE(modified_verlet_without_thermostat_is_verlet,
 // and step n-1 of Euler uses it. Positions are then the same, and velocities differ by half a kick.
 BOOST_DATA_TEST_CASE(modified_verlet_at_one_half_is_euler_half_a_kick_later,
                      data::make({0.0, 1.5}) * data::make({"quadratic", "linear"}), sigma, name) {
-    Weight const weight = *value_of<Weight>(name);
+    Weight const weight = *value_of<Weight::Kind>(name);
     double const dt = 0.05, m = 1.3, gamma = 3.0;
     auto modified = small_gas<3>(0.0, dt, m);
     ModifiedVerlet stage;

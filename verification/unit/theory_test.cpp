@@ -6,6 +6,7 @@
 #include <array>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/special_functions/beta.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
@@ -34,15 +35,15 @@ void check_close(double value, double expected, double relative = precision) {
 }
 
 constexpr std::array all_schemes{Scheme::shardlow, Scheme::exponential, Scheme::linear};
-constexpr std::array all_weights{Weight::constant, Weight::linear, Weight::quadratic, Weight::parabolic,
-                                 Weight::root};
+constexpr std::array<Weight, 5> all_weights{Weight::constant, Weight::linear, Weight::quadratic,
+                                            Weight::parabolic, Weight::root};
 
 double square(double x) { return x * x; }
 double factorial(int k) { return k < 2 ? 1.0 : k * factorial(k - 1); }
 
 /// Integral over x in (0, 1) of w(x) x^k, by hand.
 double moment(Weight weight, int k) {
-    switch (weight) {
+    switch (weight.kind) {
         case Weight::constant:
             return 1.0 / (k + 1);
         case Weight::linear:
@@ -56,13 +57,15 @@ double moment(Weight weight, int k) {
             for (int j = 0; j <= k; ++j) product *= 1.5 + j;
             return factorial(k) / product;
         }
+        case Weight::power:
+            return boost::math::beta(k + 1.0, weight.exponent + 1.0);
     }
     throw std::logic_error("weight");
 }
 
 /// Integral over x in (0, 1) of w(x)^2 x^k, by hand.
 double squared_moment(Weight weight, int k) {
-    switch (weight) {
+    switch (weight.kind) {
         case Weight::constant:
             return 1.0 / (k + 1);
         case Weight::linear:
@@ -73,6 +76,8 @@ double squared_moment(Weight weight, int k) {
             return 1.0 / (k + 1) - 2.0 / (k + 3) + 1.0 / (k + 5);
         case Weight::root:
             return moment(Weight::linear, k);
+        case Weight::power:
+            return boost::math::beta(k + 1.0, 2.0 * weight.exponent + 1.0);
     }
     throw std::logic_error("weight");
 }
@@ -235,6 +240,71 @@ BOOST_AUTO_TEST_CASE(volume_integral_of_the_weights) {
             check_close(volume_integral(3, rc, w), 4 * pi * rc * rc * rc * moment(weight, 2), 1e-12);
             check_close(volume_integral(2, rc, w2), 2 * pi * rc * rc * squared_moment(weight, 1), 1e-12);
             check_close(volume_integral(3, rc, w2), 4 * pi * rc * rc * rc * squared_moment(weight, 2), 1e-12);
+        }
+}
+
+// (1 - x)^s by its own formula, not by the names that it has for some s: Euler's Beta function.
+BOOST_AUTO_TEST_CASE(volume_integral_of_a_power) {
+    for (double const s : {0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 8.0}) {
+        Weight const weight{Weight::power, s};
+        for (double const rc : {1.0, 0.37}) {
+            auto const w = [=](double r) { return weight_at(weight, r / rc); };
+            auto const w2 = [=](double r) { return w(r) * w(r); };
+            check_close(volume_integral(2, rc, w), 2 * pi * rc * rc * moment(weight, 1), 1e-12);
+            check_close(volume_integral(3, rc, w), 4 * pi * rc * rc * rc * moment(weight, 2), 1e-12);
+            check_close(volume_integral(3, rc, w2), 4 * pi * rc * rc * rc * squared_moment(weight, 2), 1e-12);
+        }
+    }
+}
+
+// The exponents that have names are those weights to the last bit, and the formula of the power agrees with
+// them.
+BOOST_AUTO_TEST_CASE(powers_with_names) {
+    std::pair<double, Weight> const named[] = {
+        {0.0, Weight::constant}, {0.5, Weight::root}, {1.0, Weight::linear}, {2.0, Weight::quadratic}};
+    for (auto const& [s, weight] : named) {
+        BOOST_TEST((power_weight(s) == weight));
+        for (double const x : {0.0, 0.1, 0.5, 0.9, 0.999999})
+            check_close(weight_at({Weight::power, s}, x), weight_at(weight, x), 1e-14);
+        BOOST_TEST(weight_at({Weight::power, s}, 1.0) == 0.0);
+    }
+    BOOST_TEST((power_weight(1.5) == Weight(Weight::power, 1.5)));
+    BOOST_TEST((power_weight(1.5) != power_weight(3.0)));
+    BOOST_TEST(weight_at(power_weight(largest_exponent), 0.34) < 1e-15);
+}
+
+// The closed forms with a power, from their equations and another quadrature. With x = 1 - t^2 the integrands
+// are smooth for every half-integral s.
+BOOST_AUTO_TEST_CASE(closed_forms_with_a_power) {
+    for (double const s : {0.5, 1.5, 3.0})
+        for (int const d : {2, 3}) {
+            Case const c{d, {Weight::power, s}, 0.7, 2.3, 1.7, 5.1, 1.9, 1.4, 0.06, 1.1};
+            auto const t = c.shardlow();
+            double const S = (d == 2 ? 2 * pi : 4 * pi) * std::pow(c.rc, d), rc2 = c.rc * c.rc;
+            // of w(x)^p/(1 + a w)^p x^k
+            auto const integral = [&](double a, int p, int k) {
+                auto const f = [&](double u) {
+                    double const w = std::pow(u, 2 * s), x = 1 - u * u;
+                    return std::pow(w / (1 + a * w), p) * std::pow(x, k) * 2 * u;
+                };
+                return boost::math::quadrature::gauss_kronrod<double, 61>::integrate(f, 0.0, 1.0, 15, 1e-13);
+            };
+            double const a = c.a(), A = a * integral(a, 1, d - 1), A2 = a * a * integral(a, 2, d - 1);
+            double const retention = std::exp(-c.n * S * (2 * A / d - 4 * A2 / (d * (d + 2))));
+            check_close(stress_retention(c.gas(), t, c.dt), retention);  // ng9
+            check_close(kinetic_viscosity(c.gas(), t, c.dt), c.n * c.kT * c.dt * (1 / (1 - retention) - 0.5));
+            check_close(collision_viscosity(c.gas(), t, c.dt),  // ng12
+                        c.n * c.n * c.m * S * rc2 * a * integral(a, 1, d + 1) / (2 * c.dt * d * (d + 2)));
+            double const kept = std::exp(-c.n * S * A / d);
+            check_close(diffusion_constant(c.gas(), t, c.dt),
+                        c.kT / c.m * c.dt * (1 / (1 - kept) - 0.5));  // ng17
+            double const w = S * integral(0, 1, d - 1), w2 = S * integral(0, 2, d - 1);
+            check_close(kinetic_viscosity_limit(c.gas(), t), d * c.m * c.kT / (2 * c.gamma * w));  // ng10
+            auto const fluid = c.explicit_dpd();
+            double const a1 = c.gamma * w / (c.m * d), a2 = 2 * square(c.gamma / c.m) * w2 / d;
+            check_close(temperature_at_finite_step(fluid, c.dt),  // my22
+                        square(c.sigma) * w / d / (c.m * (a1 * (2 - a1 * c.n * c.dt) - a2 * c.dt)));
+            check_close(critical_step(fluid), 2 * a1 / (c.n * a1 * a1 + a2));  // my25
         }
 }
 
@@ -2244,9 +2314,9 @@ BOOST_AUTO_TEST_CASE(registry_refuses_bad_input_in_one_clear_line) {
         refused_for(with("weight", text), "weight", text, "constant, linear");
     for (std::string const text : {"", "Linear", "lowe", "1"})
         refused_for(with("scheme", text), "scheme", text, "shardlow, exponential, linear");
-    refused_for(with("sigma", "3"), "sigma", "3", "d n m kT gamma rc dt weight scheme");
-    refused_for(with("Gamma", "3"), "Gamma", "3", "d n m kT gamma rc dt weight scheme");
-    refused_for(with("colour", "red"), "colour", "red", "d n m kT gamma rc dt weight scheme");
+    refused_for(with("sigma", "3"), "sigma", "3", "d n m kT gamma rc dt weight exponent scheme");
+    refused_for(with("Gamma", "3"), "Gamma", "3", "d n m kT gamma rc dt weight exponent scheme");
+    refused_for(with("colour", "red"), "colour", "red", "d n m kT gamma rc dt weight exponent scheme");
     auto twice = good;
     twice.push_back({"n", "4"});
     refused_for(twice, "n", "4", "once");
@@ -2256,9 +2326,23 @@ BOOST_AUTO_TEST_CASE(registry_refuses_bad_input_in_one_clear_line) {
         BOOST_TEST(message("ng8", given).find("needs parameter '" + good[missing].first + "'") !=
                    std::string::npos);
     }
-    BOOST_TEST(
-        message("my22", {{"n", "1"}, {"gamma", "1"}, {"sigma", "1"}, {"dt", "1"}, {"random_weight", "flat"}})
-            .find("allowed: matched, constant") != std::string::npos);
+    for (std::string const name : {"flat", "power"})
+        BOOST_TEST(message("my22",
+                           {{"n", "1"}, {"gamma", "1"}, {"sigma", "1"}, {"dt", "1"}, {"random_weight", name}})
+                       .ends_with("allowed: matched, constant, linear, quadratic, parabolic, root"));
+    auto power = with("weight", "power");
+    BOOST_TEST(message("ng8", power) ==
+               "ng8 needs parameter 'exponent' with weight=power; allowed: 0 to 100");
+    for (std::string const text : {"", "-1", "101", "nan", "three"}) {
+        auto given = power;
+        given.push_back({"exponent", text});
+        refused_for(given, "exponent", text, "0 to 100");
+    }
+    power.push_back({"exponent", "2"});
+    BOOST_TEST(evaluate("ng8", power) == evaluate("ng8", with("weight", "quadratic")));
+    power.back().second = "1.5";
+    BOOST_TEST(evaluate("ng8", power) != evaluate("ng8", with("weight", "quadratic")));
+    BOOST_TEST(message("ng8", with("exponent", "2")).ends_with("another weight than power; allowed: none"));
     Given const rates{{"n", "3"}, {"phi_pot", "0"}, {"phi_dpd", "2"}};
     BOOST_TEST(evaluate("ng14", rates) == 0.75);
     BOOST_TEST(message("ng14", {{"n", "3"}, {"phi_pot", "-1"}, {"phi_dpd", "2"}}).find("allowed: >= 0") !=
