@@ -1,7 +1,10 @@
 #include "exact_answers.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -32,6 +35,38 @@ Before read_state(TomlReader reader) {
         reader.fail("velocity", "and position differ in length; allowed: three numbers per particle in both");
     reader.finish();
     return state;
+}
+
+// --- the order of the pairs
+
+PairOrder::value_type sorted(std::uint32_t i, std::uint32_t j) { return std::minmax(i, j); }
+
+// All pairs of `count` particles, and nothing else.
+void require_every_pair(PairOrder const& order, std::size_t count) {
+    auto const refuse = [&](PairOrder::value_type pair, std::string_view problem) {
+        throw InputError(fmt::format("order: {}-{} {}; allowed: each pair of the particles 0 to {} once",
+                                     pair.first, pair.second, problem, count - 1));
+    };
+    for (auto const& pair : order)
+        if (pair.second >= count) refuse(pair, "is no pair of the largest case");
+    for (std::uint32_t i = 0; i < count; ++i)
+        for (std::uint32_t j = i + 1; j < count; ++j)
+            if (std::ranges::find(order, PairOrder::value_type(i, j)) == order.end())
+                refuse({i, j}, "is missing");
+}
+
+// Puts the pairs that the search has found into that order.
+template <int d>
+void put_in_order(PairList<d>& list, Particles<d> const& particles, PairOrder const& order) {
+    std::vector<Pair<d>> pairs;
+    for (std::size_t k = 0; k < list.count; ++k) pairs.push_back(list.pair(k));
+    std::ranges::sort(pairs, {}, [&](Pair<d> const& pair) {
+        return std::ranges::find(order, sorted(particles.id[pair.i], particles.id[pair.j])) - order.begin();
+    });
+    std::size_t const coincident = list.coincident;
+    list.clear();
+    list.coincident = coincident;
+    for (auto const& pair : pairs) list.append(pair);
 }
 
 // --- the noise of a step
@@ -108,7 +143,7 @@ Json state_json(Particles<d> const& particles) {
 }
 
 template <int d>
-void run_case(Json& result, Scene const& scene, Before const& state) {
+void run_case(Json& result, Scene const& scene, Before const& state, PairOrder const& order) {
     auto simulation = build<d>(scene, {});
     for (Eigen::Index p = 0; p < simulation.particles.size(); ++p)
         for (int axis = 0; axis < d; ++axis) {
@@ -127,6 +162,9 @@ void run_case(Json& result, Scene const& scene, Before const& state) {
                 first.sweep = 1;
                 list_noise(first_noise, s, scene, stage, first);
             }
+            bool const sequential =
+                std::holds_alternative<Shardlow>(stage) || std::holds_alternative<Lowe>(stage);
+            if (sequential && !order.empty()) put_in_order(s.pairs(), s.particles, order);
             plain(s, key);
             list_noise(noise, s, scene, stage, key);
         };
@@ -146,7 +184,7 @@ void run_case(Json& result, Scene const& scene, Before const& state) {
 
 // A case is a scene, a state and where the scheme comes from; a variant is the same with some keys changed.
 Json answer(toml::table table, std::string const& id, std::vector<std::string> const& changes,
-            TomlReader root, Search search, std::string const& file) {
+            TomlReader root, Search search, PairOrder const& order, std::string const& file) {
     std::string const where = fmt::format("{}: case {}", file, id);
     for (auto const& change : changes) override_key(table, change, where);
     TomlReader reader(table, "", where);
@@ -180,21 +218,31 @@ Json answer(toml::table table, std::string const& id, std::vector<std::string> c
     for (auto const& [key, value] : parameters.items())
         if (key != "particles" && key != "time" && key != "pairs") result[key] = value;
     if (scene.dimension == 2)
-        run_case<2>(result, scene, state);
+        run_case<2>(result, scene, state, order);
     else
-        run_case<3>(result, scene, state);
+        run_case<3>(result, scene, state, order);
     return result;
+}
+
+// How many particles the largest state has.
+std::size_t largest_state(toml::table const& document) {
+    std::size_t most = 0;
+    if (auto const* const states = document["state"].as_table())
+        for (auto const& [name, state] : *states)
+            if (auto const* const position = state.at_path("position").as_array())
+                most = std::max(most, position->size() / 3);
+    return most;
 }
 
 // --- functions of a pair, without motion
 
 Json pair_functions() {
+    double const exponent = 1.5;
     Json weight = Json::array(), update = Json::array(), potential = Json::array();
     for (double const x : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1.0, 1.1}) {
         Json row{{"x", x}};
         for (auto const name : names<Weight::Kind>)
-            if (name != name_of(Weight::power))
-                row[std::string(name)] = weight_at(*value_of<Weight::Kind>(name), x);
+            row[std::string(name)] = weight_at({*value_of<Weight::Kind>(name), exponent}, x);
         weight.push_back(row);
     }
     for (double const mass : {1.0, 2.5})
@@ -216,6 +264,7 @@ Json pair_functions() {
         potential.push_back(row);
     }
     return {{"weight", weight},
+            {"power", {{"exponent", exponent}}},
             {"update", update},
             {"soft", {{"strength", soft.strength}, {"cutoff", soft.cutoff}}},
             {"lennard_jones", {{"epsilon", plain.epsilon}, {"sigma", plain.sigma}, {"cutoff", plain.cutoff}}},
@@ -239,28 +288,59 @@ std::string layout(Json const& value, std::size_t indent = 0, std::size_t begin 
 
 }  // namespace
 
-Json exact_answers(std::filesystem::path const& definition, Search search) {
+PairOrder pair_order_from_text(std::string const& text, std::string const& origin) {
+    std::string pairs = std::filesystem::is_regular_file(text) ? read_file(text) : text;
+    std::ranges::replace(pairs, ',', ' ');
+    std::istringstream words(pairs);
+    PairOrder order;
+    for (std::string word; words >> word;) {
+        auto const refuse = [&](std::string_view problem) {
+            throw InputError(fmt::format("{}: '{}' {}; allowed: pairs as 1-2,0-1,..., or a file of them",
+                                         origin, word, problem));
+        };
+        std::uint32_t i = 0, j = 0;
+        char const* const end = word.data() + word.size();
+        auto const first = std::from_chars(word.data(), end, i);
+        if (first.ec != std::errc{} || first.ptr == end || *first.ptr != '-') refuse("is no pair");
+        auto const second = std::from_chars(first.ptr + 1, end, j);
+        if (second.ec != std::errc{} || second.ptr != end || i == j) refuse("is no pair");
+        if (std::ranges::find(order, sorted(i, j)) != order.end()) refuse("comes twice");
+        order.push_back(sorted(i, j));
+    }
+    if (order.empty())
+        throw InputError(
+            fmt::format("{}: no pair; allowed: pairs as 1-2,0-1,..., or a file of them", origin));
+    return order;
+}
+
+Json exact_answers(std::filesystem::path const& definition, Search search, PairOrder const& order) {
     std::string const file = definition.string();
     toml::table const document = parse_toml(read_file(definition), file);
     TomlReader root(document, "", file);
+    if (!order.empty()) require_every_pair(order, largest_state(document));
     toml::table const common = root.has("scene") ? root.table("scene")->raw() : toml::table{};
     Json cases = Json::array();
     for (auto& reader : root.tables("case")) {
         std::string const id = reader.text("id", std::nullopt);
         toml::table table = common;
         for (auto const& [key, value] : reader.raw()) table.insert_or_assign(key, value);
-        cases.push_back(answer(table, id, {}, root, search, file));
+        cases.push_back(answer(table, id, {}, root, search, order, file));
         auto variants = reader.table("variants");
         if (!variants) continue;
         for (auto const& [name, ignored] : variants->raw())
             cases.push_back(answer(table, fmt::format("{}-{}", id, name.str()),
                                    variants->texts(std::string(name.str()), std::nullopt), root, search,
-                                   file));
+                                   order, file));
     }
     root.has("state");
     root.finish();
-    return {
-        {"format", 1}, {"documentation", "docs/exact.md"}, {"functions", pair_functions()}, {"cases", cases}};
+    Json result{{"format", 1},
+                {"documentation", "docs/exact.md"},
+                {"sign", "a positive normal drives its pair apart"}};
+    if (!order.empty()) result["order"] = order;
+    result["functions"] = pair_functions();
+    result["cases"] = cases;
+    return result;
 }
 
 std::string exact_answers_text(Json const& answers) { return layout(answers) + "\n"; }

@@ -47,15 +47,19 @@ Command answer(CLI::App& app) {
 Command exact(CLI::App& app) {
     struct Options {
         std::string verification = data_path("verification");
+        std::optional<std::string> order;
         bool json = false;
     };
     auto const options = std::make_shared<Options>();
     auto* const command = app.add_subcommand("exact", "single steps of a few particles with given noise");
     command->add_flag("--json", options->json, "print all numbers, as JSON");
+    command->add_option("--order", options->order,
+                        "in which your code visits the pairs: 1-2,0-1,... with all six, or a file of them");
     command->add_option("--verification", options->verification, "directory of the definitions");
     return {command, [options] {
-                auto const all =
-                    exact_answers(std::filesystem::path(options->verification) / "answers" / "exact.toml");
+                auto const all = exact_answers(
+                    std::filesystem::path(options->verification) / "answers" / "exact.toml", Search::cell,
+                    options->order ? pair_order_from_text(*options->order, "order") : PairOrder{});
                 if (options->json)
                     fmt::print("{}", exact_answers_text(all));
                 else

@@ -14,13 +14,13 @@ import pathlib
 import sys
 
 LIMIT = 1e-13
-WEIGHT = {"constant": lambda x: 1.0, "linear": lambda x: 1 - x, "quadratic": lambda x: (1 - x) ** 2,
-          "parabolic": lambda x: 1 - x * x, "root": lambda x: math.sqrt(1 - x)}
+WEIGHT = {"constant": lambda x, s: 1.0, "linear": lambda x, s: 1 - x, "quadratic": lambda x, s: (1 - x) ** 2,
+          "parabolic": lambda x, s: 1 - x * x, "root": lambda x, s: math.sqrt(1 - x), "power": lambda x, s: (1 - x) ** s}
 SCHEME = {"shardlow": lambda a: a / (1 + a), "exponential": lambda a: -math.expm1(-2 * a) / 2, "linear": lambda a: a}
 
 
-def weight(name, x):
-    return WEIGHT[name](x) if x < 1 else 0.0
+def weight(name, x, exponent=None):
+    return WEIGHT[name](x, exponent) if x < 1 else 0.0
 
 
 def noise_strength(A, mass):  # NG2007, below eq. 5
@@ -118,7 +118,7 @@ class System:
 
     def shardlow(self, p):  # NG2007 eq. 5
         for i, j, x, draw in self.draws("shardlow"):
-            a = p["friction"] * weight(p["weight"], x) * self.dt / self.m
+            a = p["friction"] * weight(p["weight"], x, p.get("exponent")) * self.dt / self.m
             self.pair_update(i, j, SCHEME[p["scheme"]](a), p["kT"], draw.get("normal", 0.0))
 
     def lowe(self, p):  # NG2007 eq. 6
@@ -130,7 +130,7 @@ class System:
         self.waiting = self.nothing()
         for i, j, x, draw in self.draws("euler"):
             _, e, u = self.relative(i, j)
-            w_d = weight(p["weight"], x)
+            w_d = weight(p["weight"], x, p.get("exponent"))
             w_r = weight(p["random_weight"], x) if "random_weight" in p else math.sqrt(w_d)
             impulse = -p["gamma"] * w_d * u * self.dt + p["sigma"] * w_r * math.sqrt(self.dt) * draw.get("normal", 0.0)
             self.push(self.waiting, i, j, impulse, e)
@@ -150,7 +150,7 @@ class System:
         total = self.conservative(p)
         for i, j, x, draw in self.draws("modified_verlet"):
             _, e, u = self.relative(i, j)
-            w_d = weight(p["weight"], x)
+            w_d = weight(p["weight"], x, p.get("exponent"))
             thermal = p["sigma"] * math.sqrt(w_d / self.dt) * draw.get("normal", 0.0)
             self.push(total, i, j, -p["gamma"] * w_d * u + thermal, e)
         return total
@@ -233,7 +233,8 @@ def check_case(case):
 
 
 def check_functions(functions):
-    pairs = [(weight(name, row["x"]), row[name]) for row in functions["weight"] for name in WEIGHT]
+    exponent = functions["power"]["exponent"]
+    pairs = [(weight(name, row["x"], exponent), row[name]) for row in functions["weight"] for name in WEIGHT]
     for row in functions["update"]:
         for name, scheme in SCHEME.items():
             A = scheme(row["a"])

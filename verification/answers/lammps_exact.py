@@ -39,7 +39,7 @@ def lj_cut(case):
 
 
 CASES = {"modified-verlet-two-friction-only": (pair_dpd, 1e-13), "modified-verlet-friction-only": (pair_dpd, 1e-13),
-         "shardlow-verlet-two-quadratic-friction-only": (fix_shardlow, 1e-13), "verlet-lennard-jones": (lj_cut, 1e-13)}
+         "shardlow-verlet-two-friction-only": (fix_shardlow, 1e-13), "verlet-lennard-jones": (lj_cut, 1e-13)}
 
 
 def deck(case, interaction):

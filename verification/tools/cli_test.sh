@@ -417,6 +417,17 @@ for words in "lammps-dpd T=1 A=25 gamma=4.5 timestep=0.02" "mirheo a=25 gamma=4.
       echo "time.duration = 0.2"; echo "time.step = 0.02"; } | awk '!/^time.step/ || !seen++' >converted.toml
     expect 0 -- run converted.toml
 done
+# the exact answers in another order of the pairs
+definitions=$figures/../verification
+expect 0 -- exact --verification "$definitions" --json --order 2-3,1-3,1-2,0-3,0-2,0-1
+check "exact --order is no JSON" is_json out
+echo "2-3 1-3 1-2 0-3 0-2 0-1" >order.txt
+cp out by_argument
+expect 0 -- exact --verification "$definitions" --json --order order.txt
+check "exact --order FILE differs" cmp -s out by_argument
+expect 2 order "2-3 is missing" -- exact --verification "$definitions" --order 0-1,0-2,0-3,1-2,1-3
+expect 2 order "'0+1' is no pair" -- exact --verification "$definitions" --json --order 0+1
+
 for arguments in "run scene.toml" "run scene.toml --json" "theory" "convert"; do
     # shellcheck disable=SC2086
     "$dpdref" $arguments >/dev/full 2>err
