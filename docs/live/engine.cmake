@@ -30,7 +30,8 @@ foreach(room base model plain engine engine/fast measure scene run live)
 endforeach()
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/theory/*.cpp)
 list(APPEND DPDREF_LIVE_SOURCES ${sources})
-list(FILTER DPDREF_LIVE_SOURCES EXCLUDE REGEX "/(archive|hdf5|trajectory|signals|codes|conventions|integrators|checkpoint|run|tune)[.]cpp$")
+list(APPEND DPDREF_LIVE_SOURCES ${PROJECT_SOURCE_DIR}/docs/live/no_files.cpp)
+list(FILTER DPDREF_LIVE_SOURCES EXCLUDE REGEX "/(archive|configuration|hdf5|trajectory|signals|codes|conventions|integrators|checkpoint|run|tune)[.]cpp$")
 
 # SSE2, which emscripten translates: so Eigen sums in the order of the native program, and bits are the same;
 # it would write assembler for compilers of another age than this one says it has.

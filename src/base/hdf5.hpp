@@ -1,5 +1,5 @@
 /// @file
-/// What the files of arrays and of trajectories share of the HDF5 library; seen by no other file.
+/// What the files of arrays, trajectories and configurations share of the HDF5 library; seen by no other file.
 #pragma once
 
 #include <H5Cpp.h>

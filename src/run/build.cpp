@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "configuration.hpp"
 #include "forces.hpp"
 #include "plain_stages.hpp"
 
@@ -26,6 +27,20 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     if (auto const* const soft = scene.soft(); scene.wall_strength && soft && soft->strength > 0.0)
         simulation.wall_strength = *scene.wall_strength / soft->strength;
     randomize(simulation.particles, simulation.box, scene.kT, scene.seed, scene.start);
+    if (auto const* const start = scene.configuration.get()) {
+        auto const take = [d_ = Eigen::Index(d)](auto& field, std::vector<double> const& values) {
+            for (Eigen::Index p = 0; p < field.rows(); ++p)
+                for (Eigen::Index axis = 0; axis < d_; ++axis)
+                    field(p, axis) = values[static_cast<std::size_t>(d_ * p + axis)];
+        };
+        Eigen::ArrayXd const drawn_height = simulation.particles.position.col(1);
+        take(simulation.particles.position, start->position);
+        if (!start->velocity.empty())
+            take(simulation.particles.velocity, start->velocity);
+        else  // drawn, about the flow where the particles now are
+            simulation.particles.velocity.col(0) +=
+                scene.shear_rate * (simulation.particles.position.col(1) - drawn_height);
+    }
     simulation.seed = scene.seed;
     simulation.time_step = scene.time_step;
 

@@ -8,6 +8,7 @@
 #include <functional>
 #include <set>
 
+#include "configuration.hpp"
 #include "files.hpp"
 #include "size.hpp"
 #include "theory/closed_forms.hpp"
@@ -87,6 +88,8 @@ void read_walls(Scene& scene, TomlReader reader) {
     reader.finish();
 }
 
+constexpr std::string_view from_file = "file";  // as particles.start has it
+
 void read_particles(Scene& scene, TomlReader reader) {
     if (reader.has("number") == reader.has("density"))
         reader.fail("density", "give either particles.number or particles.density");
@@ -99,10 +102,46 @@ void read_particles(Scene& scene, TomlReader reader) {
     scene.particles = static_cast<std::uint64_t>(std::llround(count));
     scene.wall_particles =
         static_cast<std::uint64_t>(std::llround(scene.density() * (scene.volume() - scene.fluid_volume())));
-    scene.start = reader.choice<Start>("start", "random");
+    std::vector<std::string_view> starts(names<Start>.begin(), names<Start>.end());
+    starts.push_back(from_file);
+    if (auto const start = reader.text("start", "random", starts); start != from_file)
+        scene.start = *value_of<Start>(start);
+    else if (scene.wall > 0.0)
+        reader.fail("start", "is \"file\" between walls; allowed: no walls");
+    else
+        reader.text("file", std::nullopt), reader.text("file_digest", "");
     scene.mass = reader.number("mass", 1.0, positive);
     scene.kT = reader.number("kT", 1.0, non_negative);
     reader.finish();
+}
+
+// Takes positions and velocities from the file that the scene names, seen from the scene's folder or from
+// here. Returns the digest of its bytes.
+std::string read_start(Scene& scene, TomlReader reader, std::string const& name) {
+    std::filesystem::path const named = reader.text("file", std::nullopt);
+    std::filesystem::path const beside = std::filesystem::path(name).parent_path() / named;
+    std::string const file = (std::filesystem::exists(beside) ? beside : named).string(),
+                      bytes = read_file(file);
+    std::string const found = fmt::format("{:016x}", digest(bytes)),
+                      wanted = reader.text("file_digest", found);
+    if (found != wanted)
+        reader.fail("file_digest",
+                    fmt::format("is {}, but that of {} is {}; allowed: the file that it was, or no "
+                                "digest",
+                                wanted, file, found));
+    auto state = read_configuration(bytes, file, scene.particles, static_cast<std::size_t>(scene.dimension));
+    for (std::size_t axis = 0; axis < scene.length.size(); ++axis)
+        if (std::abs(state.length[axis] - scene.length[axis]) > 1e-9 * scene.length[axis])
+            reader.fail("file", fmt::format("{} has a box of {}; allowed: that of the scene, {}", file,
+                                            fmt::join(state.length, " x "), fmt::join(scene.length, " x ")));
+    for (std::size_t k = 0; k < state.position.size(); ++k) {
+        double const side = scene.length[k % scene.length.size()];
+        double& x = state.position[k];
+        x -= side * std::floor(x / side);
+        if (!(x >= 0.0 && x < side)) x = 0.0;
+    }
+    scene.configuration = std::make_shared<Configuration const>(std::move(state));
+    return found;
 }
 
 void read_time(Scene& scene, TomlReader reader) {
@@ -502,6 +541,11 @@ Scene parse_scene(std::string const& text, std::string const& name, std::vector<
     for (auto const& assignment : overrides) override_key(table, assignment, "--set");
     Scene scene = read_scene(table, name);
     if (seed) scene.seed = *seed;
+    // the content of a file is part of what is simulated
+    if (toml::table& particles = *table["particles"].as_table();
+        particles["start"].value_or(std::string()) == from_file)
+        particles.insert_or_assign("file_digest",
+                                   read_start(scene, *TomlReader(table, "", name).table("particles"), name));
     // what does not change the results does not change the key
     table.erase("seed");
     table.erase("title");

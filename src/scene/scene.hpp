@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,8 @@
 #include "stages.hpp"
 
 namespace dpd {
+
+struct Configuration;
 
 /// The paper's own description of a DPD fluid, @eq{PK2006,1} to @eq{PK2006,4}: what is missing in the scene
 /// follows from it. Lengths and forces in the atoms' units.
@@ -65,10 +68,11 @@ struct Scene {
     double mass = 1.0;                    ///< of a particle
     double kT = 1.0;                      ///< of the initial velocities
     std::optional<CoarseGrainingParameters>
-        coarse_graining;                    ///< the map from atoms; none: the file has no table
-    Start start = Start::random;            ///< where particles begin
-    double time_step = 0.0;                 ///< time
-    std::uint64_t equilibration_steps = 0;  ///< before the first sample
+        coarse_graining;                                 ///< the map from atoms; none: the file has no table
+    Start start = Start::random;                         ///< where particles begin, without a file
+    std::shared_ptr<Configuration const> configuration;  ///< with which they begin; none: by `start` and `kT`
+    double time_step = 0.0;                              ///< time
+    std::uint64_t equilibration_steps = 0;               ///< before the first sample
     std::uint64_t production_steps = 0;     ///< in which samples are taken; with `until` at least so many
     std::optional<Until> until;             ///< none: `production_steps` it is
     double checkpoint_seconds = 30.0;       ///< wall clock between checkpoints
