@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <fstream>
+#include <functional>
 #include <string_view>
 #include <utility>
 
@@ -89,7 +91,9 @@ bool Archive::has(std::string const& name) const {
     return guarded(path_, "read", [&] {
         for (std::size_t slash = name.find('/'); slash != std::string::npos;
              slash = name.find('/', slash + 1))
-            if (!file_->h5.nameExists(name.substr(0, slash))) return false;
+            if (std::string const group = name.substr(0, slash);
+                !file_->h5.nameExists(group) || file_->h5.childObjType(group) != H5O_TYPE_GROUP)
+                return false;
         return file_->h5.nameExists(name);
     });
 }
@@ -97,14 +101,33 @@ bool Archive::has(std::string const& name) const {
 std::vector<std::string> Archive::observables() const {
     std::vector<std::string> names;
     if (!has("observables")) return names;
-    return guarded(path_, "read", [&] {
-        H5::Group const group = file_->h5.openGroup("observables");
+    // a column counts as a list
+    auto const add = [&](std::string const& name, std::string const& path) {
+        H5::DataSet const set = file_->h5.openDataSet(path);
+        H5::DataSpace const space = set.getSpace();
+        std::array<hsize_t, 2> size{1, 1};
+        bool const numbers = set.getTypeClass() == H5T_FLOAT || set.getTypeClass() == H5T_INTEGER;
+        if (!numbers || space.getSimpleExtentNdims() > 2) return;
+        space.getSimpleExtentDims(size.data());
+        if (size[1] == 1) names.push_back(name);
+    };
+    std::function<void(std::string const&)> const look = [&](std::string const& group_name) {
+        std::string const path = "observables" + (group_name.empty() ? "" : "/" + group_name);
+        H5::Group const group = file_->h5.openGroup(path);
         for (hsize_t k = 0; k < group.getNumObjs(); ++k) {
-            std::string const name = group.getObjnameByIdx(k),
-                              value = fmt::format("observables/{}/value", name);
-            if (has(value) && file_->h5.openDataSet(value).getSpace().getSimpleExtentNdims() == 1)
-                names.push_back(name);
+            std::string const name = group.getObjnameByIdx(k), full = path + "/" + name,
+                              below = group_name.empty() ? name : group_name + "/" + name;
+            bool const is_group = file_->h5.childObjType(full) == H5O_TYPE_GROUP;
+            if (!is_group)
+                add(below, full);  // one value for all times
+            else if (has(full + "/value"))
+                add(below, full + "/value");
+            else if (group_name.empty())
+                look(name);  // of a subsystem
         }
+    };
+    return guarded(path_, "read", [&] {
+        look("");
         return names;
     });
 }

@@ -28,6 +28,7 @@ std::string bare(std::string const& name);
 /// What a code wrote: numbers with errors, or series of samples in the order of time, or g(r).
 struct CodeOutput {
     std::string file;              ///< as given
+    std::string code;              ///< that wrote it, where the file tells
     std::vector<Quantity> values;  ///< numbers with errors, where the file has such
     std::string axis;              ///< name of the column of times or steps; empty without one
     std::vector<double> at;        ///< times or steps of the samples
@@ -36,14 +37,24 @@ struct CodeOutput {
     std::vector<double> r;                  ///< middle of the bins of g(r)
     std::vector<std::vector<double>> g;     ///< samples of each bin
     CurveEstimate curve{};                  ///< or g(r) with errors
-    bool per_particle = true;               ///< whether a LAMMPS log's energies are
     std::vector<std::string> notes;         ///< what was left out
     std::optional<double> shear_rate = {};  ///< if the file says it, as a deck's does; 0: at rest
+    bool per_particle = true;               ///< whether a LAMMPS log's energies are
+    /// Commands of a LAMMPS log before the run, as words: units, timestep, pair_style, fix and others.
+    std::vector<std::vector<std::string>> commands;
+    double atoms = 0.0;            ///< as a LAMMPS log counts them; 0: not said
+    std::vector<double> box;       ///< sides as a LAMMPS log has them, length; empty: not said
+    std::string partition;         ///< of a LAMMPS log of several, which are runs of their own
+    std::vector<CodeOutput> also;  ///< series of the same file with other times: lines of fix print in a log
 };
 
-/// Reads a table (CSV, or columns between blanks; its header may be a comment), a LAMMPS log (the thermo
-/// table of its k-th run; 0: of the last), a file of LAMMPS' fix ave/time, H5MD, or a result of `dpdref run`,
-/// recognised by content. InputError names file and line.
+/// Which run of a log `read_output` reads, if all: their rows one after the other.
+inline constexpr std::size_t all_runs = std::size_t(-1);
+
+/// Reads a table (between commas, semicolons, tabs or blanks; its header may be a comment, be in each line,
+/// or be missing), GROMACS' .xvg, a LAMMPS log (the thermo table of its k-th run; 0: of the last), a file of
+/// LAMMPS' fix ave/time or ave/chunk, H5MD, or a result of `dpdref run`, recognised by content. InputError
+/// names file and line.
 CodeOutput read_output(std::filesystem::path const& file, std::size_t run = 0);
 
 }  // namespace dpd

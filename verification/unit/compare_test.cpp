@@ -6,6 +6,7 @@
 #include "compare.hpp"
 
 #include <fmt/format.h>
+#include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
@@ -95,7 +96,8 @@ BOOST_AUTO_TEST_CASE(a_log_of_two_runs) {
     BOOST_TEST(series_of(last, "Press")[1] == 23.538293);
     BOOST_TEST(series_of(first, "E_pair")[0] == 7.8756267);
     BOOST_TEST(last.per_particle);
-    BOOST_TEST(last.notes.empty());
+    BOOST_TEST(last.notes.size() == 1u);  // that it is the last of two
+    BOOST_TEST(first.notes.empty());
     BOOST_CHECK_EXCEPTION(read_output(lammps / "log.lammps", 3), InputError, says("allowed: 1 to 2"));
 
     auto const averages = average({last}, fluid, {}, {});
@@ -127,7 +129,7 @@ BOOST_AUTO_TEST_CASE(logs_of_other_versions_and_ends) {
                                   "     390   0.97133226    4.56", "     39"}) {
         auto const cut = read(log.substr(0, log.find("     390 ")) + end);
         BOOST_TEST(series_of(cut, "Temp").size() == 29u);
-        BOOST_TEST(cut.notes.size() == 1u);
+        BOOST_TEST(cut.notes.at(0).find("has no end and was left out") != std::string::npos);
     }
     auto const broken =
         read(log.substr(0, log.find("     390 ")) + "ERROR: Lost atoms: original 375 current 374\n");
@@ -225,8 +227,56 @@ BOOST_AUTO_TEST_CASE(tables_of_other_programs) {
                    boost::test_tools::tolerance(1e-12));
         BOOST_TEST(averages.notes.at(1).find("the sum over 10 particles") != std::string::npos);
     }
-    BOOST_CHECK_EXCEPTION(read_output(directory.write("n", "# 1 2\n1 2\n")), InputError, says("no header"));
-    BOOST_CHECK_EXCEPTION(read_output(directory.write("n", "1 2\n1 2\n")), InputError, says("no header"));
+}
+
+// Each file of verification/data/outputs, in the format of another program, holds what expected.toml says.
+BOOST_AUTO_TEST_CASE(formats_of_other_programs) {
+    auto const folder = lammps.parent_path() / "outputs";
+    auto const check_series = [](CodeOutput const& output, toml::table const& holds) {
+        for (auto const& [name, samples] : holds) {
+            std::vector<double> numbers;
+            for (auto const& number : *samples.as_array()) numbers.push_back(*number.value<double>());
+            if (name == "at") {
+                BOOST_TEST(output.at == numbers, boost::test_tools::per_element());
+            } else if (samples.is_array()) {
+                auto const read = series_of(output, std::string(name.str()));
+                BOOST_REQUIRE(read.size() == numbers.size());
+                for (std::size_t k = 0; k < read.size(); ++k)
+                    BOOST_TEST(read[k] == numbers[k], boost::test_tools::tolerance(1e-8));
+            }
+        }
+    };
+    auto const expected = toml::parse_file((folder / "expected.toml").string());
+    for (auto const& entry : *expected["output"].as_array()) {
+        auto const& table = *entry.as_table();
+        auto const file = *table["file"].value<std::string>();
+        BOOST_TEST_CONTEXT(file) {
+            auto const output = read_output(folder / file, std::size_t(table["run"].value_or(0)));
+            BOOST_TEST(output.code == *table["code"].value<std::string>());
+            BOOST_TEST(output.axis == *table["axis"].value<std::string>());
+            std::vector<std::string> names, columns;
+            for (auto const& [name, samples] : output.series) names.push_back(name);
+            for (auto const& name : *table["columns"].as_array())
+                columns.push_back(*name.value<std::string>());
+            BOOST_TEST(names == columns, boost::test_tools::per_element());
+            check_series(output, *table["holds"].as_table());
+            toml::table at;
+            if (auto const* const times = table["at"].as_array()) at.insert("at", *times);
+            check_series(output, at);
+            std::string const note = table["note"].value_or("");
+            BOOST_TEST((note.empty() ||
+                        std::any_of(output.notes.begin(), output.notes.end(),
+                                    [&](auto const& said) { return said.find(note) != std::string::npos; })));
+            BOOST_TEST(output.also.size() == table.contains("also"));
+            if (auto const* const also = table["also"].as_table()) {
+                BOOST_TEST(output.also.at(0).axis == *(*also)["axis"].value<std::string>());
+                toml::table holds = *also;
+                holds.erase("axis");
+                check_series(output.also[0], holds);
+            }
+        }
+    }
+    BOOST_CHECK_EXCEPTION(read_output(folder / "partition.log"), InputError, says("each has its own log"));
 }
 
 // LAMMPS's own pressure is the reference's only where friction and noise are no forces.
@@ -291,11 +341,25 @@ BOOST_AUTO_TEST_CASE(h5md_of_others_and_of_dpdref) {
         Eigen::Array<double, Eigen::Dynamic, 2> flux = Eigen::Array<double, Eigen::Dynamic, 2>::Zero(4, 2);
         archive("observables/kinetic_temperature/value", temperature);
         archive("observables/flux/value", flux);
+        std::vector<double> times{0.0, 0.5, 1.0, 1.5};
+        archive("observables/kinetic_temperature/time", times);
+        Eigen::ArrayXXd column(1, 4);  // a file has it transposed: four rows
+        column << 1.0, 2.0, 3.0, 4.0;
+        archive("observables/solvent/pressure/value", column);
+        archive("observables/solvent/density/value", times);
+        archive("observables/density/value", times);
+        std::vector<double> number{3000.0};
+        archive("observables/particle_number", number);
         archive.commit();
     }
     auto const other = read_output(path);
-    BOOST_TEST(other.series.size() == 1u);
+    BOOST_TEST(other.series.size() == 5u);
     BOOST_TEST(series_of(other, "kinetic_temperature")[1] == 1.2);
+    BOOST_TEST(series_of(other, "pressure")[2] == 3.0);  // of a subsystem, a column
+    BOOST_TEST(series_of(other, "solvent/density").size() == 4u);
+    BOOST_TEST(series_of(other, "particle_number").size() == 1u);  // one value for all times
+    BOOST_TEST(other.axis == "time");
+    BOOST_TEST(other.at.back() == 1.5);
     BOOST_CHECK_EXCEPTION(run_reference(path), InputError, says("finished result"));
 
     auto const text =
@@ -331,7 +395,6 @@ BOOST_AUTO_TEST_CASE(mistakes_in_files_are_named_with_their_line) {
     std::vector<std::pair<std::string, std::string>> const cases{
         {"", "holds no samples"},
         {"no comma\n", "holds no samples"},
-        {"1,2\n3,4\n", "f:1: no header"},
         {"a,b\n1,2\n3\n", "f:3: 1 columns; allowed: 2"},
         {"a,b\n1,2\n3,x\n", "f:3: x is not allowed; allowed: a number"},
         {"a,b\n1,nan\n", "f:2: nan is not allowed"},
@@ -344,9 +407,9 @@ BOOST_AUTO_TEST_CASE(mistakes_in_files_are_named_with_their_line) {
         {replaced(log, "0.94730901", ""), in_row("5 columns; allowed: 6")},
         {"LAMMPS (29 Sep 2021)\nunits lj\n", "allowed: 1 to 0"},
         {"Per MPI rank memory allocation (min/avg/max) = 1\n------------ Step 0 ----- CPU = 0\n",
-         "f:2: no header"},
+         "holds no samples"},
+        {"step = 1 T = 1.0\nstep = 2 p = 1.0\n", "f:2: allowed: step, T with a number each"},
         {"Per MPI rank memory allocation (min/avg/max) = 1\nStep Temp\nLoop time of 1\n", "holds no samples"},
-        {"# 1 2\n1 2\n", "f:2: no header"},
         {replaced(scalars, "2.38389 ", ""), "f:4: 2 columns; allowed: 3"},
         {replaced(rdf, "100 10", "100 ten"), "f:4: ten is not allowed"},
         {replaced(rdf, "100 10", "100"), "f:4: no head of a block"},
