@@ -75,7 +75,7 @@ Command compare(CLI::App& app) {
         std::vector<std::string> files, renamings;
         std::string answers = data_path("figures/answers/answers.json");
         std::optional<std::string> state_point, reference, discard;
-        std::size_t table = 0;
+        std::string table = "0";
         double resolution = 0.01;
         bool sheared = false, json = false;
     };
@@ -83,7 +83,7 @@ Command compare(CLI::App& app) {
     auto* const command = app.add_subcommand("compare", "judge another code's output against a reference");
     command
         ->add_option("files", options->files,
-                     "table, LAMMPS log or fix ave/time file, H5MD, result of dpdref run")
+                     "table, LAMMPS log, file of fix ave/time or ave/chunk, xvg, H5MD, result of dpdref run")
         ->required();
     auto* const of_answer = command->add_option("--answer", options->state_point, "id of a reference answer");
     command->add_option("--answers", options->answers, "file of the reference answers");
@@ -92,7 +92,8 @@ Command compare(CLI::App& app) {
     command->add_option("--discard", options->discard,
                         "equilibration: a time or step of the file, or a share as 20%");
     command->add_flag("--sheared", options->sheared, "the files are of the reference's shear flow");
-    command->add_option("--run", options->table, "which thermo table of a log, from 1; default the last");
+    command->add_option("--run", options->table,
+                        "which thermo table of a log, from 1, or all; default the last");
     command
         ->add_option("--resolution", options->resolution, "relative combined error that an agreement needs")
         ->check(CLI::PositiveNumber);
@@ -104,14 +105,25 @@ Command compare(CLI::App& app) {
                                          ? answer_reference(options->answers, *options->state_point)
                                          : run_reference(*options->reference);
                 std::vector<CodeOutput> outputs;
-                for (auto const& file : options->files) outputs.push_back(read_output(file, options->table));
+                std::size_t const table = table_from_text(options->table);
+                for (auto const& file : options->files) outputs.push_back(read_output(file, table));
                 std::vector<Renaming> names;
                 for (auto const& text : options->renamings) names.push_back(renaming_from_text(text));
                 auto const averages = average(
                     outputs, against, names,
                     options->discard ? discard_from_text(*options->discard) : Discard{}, options->sheared);
                 auto const result = dpd::compare(averages, against, options->resolution);
-                return print(result, averages, against, options->json) ? exit_done : exit_disagrees;
+                print(result, averages, against, options->json);
+                switch (outcome_of(result, averages)) {
+                    case Outcome::agrees:
+                        return exit_done;
+                    case Outcome::disagrees:
+                        return exit_disagrees;
+                    case Outcome::nothing:
+                        break;
+                }
+                fmt::print(stderr, "dpdref: {}\n", nothing_compared(result, against));
+                return exit_not_compared;
             }};
 }
 

@@ -14,7 +14,7 @@
 namespace dpd::cli {
 
 inline constexpr int exit_done = 0, exit_disagrees = 1, exit_bad_input = 2, exit_diverged = 3,
-                     exit_interrupted = 130;
+                     exit_not_compared = 4, exit_interrupted = 130;
 
 /// A subcommand, and what it does once the command line has been read; returns the exit code.
 struct Command {

@@ -1,5 +1,5 @@
 // The command line; `dpdref --help` lists the subcommands. Exit codes: 0 done, 1 a verdict is "disagrees",
-// 2 bad input, 3 the simulation diverged, 130 interrupted (run again to resume).
+// 2 bad input, 3 the simulation diverged, 4 nothing was compared, 130 interrupted (run again to resume).
 
 #include <fcntl.h>
 #include <fmt/format.h>

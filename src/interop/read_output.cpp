@@ -429,6 +429,9 @@ private:
         output_.commands.resize(table.commands);
         for (auto const& words : output_.commands) {
             if (words[0] == "units" && words.size() > 1) output_.per_particle = words[1] == "lj";
+            if (words[0] == "fix" && words.size() > 3 && words[3] == "deform")
+                if (auto const rate = std::find(words.begin(), words.end(), "erate"); words.end() - rate > 1)
+                    output_.shear_rate = to_number(rate[1]);
             if (words[0] != "thermo_modify") continue;
             if (auto const norm = std::find(words.begin(), words.end(), "norm"); words.end() - norm > 1)
                 output_.per_particle = norm[1] == "yes";

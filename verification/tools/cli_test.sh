@@ -283,6 +283,13 @@ expect 0 -- compare code.csv --reference a.h5 --json
 check "compare --json is no JSON" is_json out
 call compare code.csv --reference a.h5 --as kinetic_temperature=kinetic_temperature*2
 [ "$code" -eq 1 ] && grep -qE '^kinetic_temperature .* disagrees$' out || fail "compare: exit code $code: $(cat out)"
+# a file without a reference is no agreement
+printf '1 2\n3 4\n' >numbers.dat
+for form in "" --json; do
+    call compare numbers.dat --answer gw-0.04 --answers "$answers" $form
+    [ "$code" -eq 4 ] || fail "compare without a reference: exit code $code, expected 4"
+    [ "$(wc -l <err)" -eq 1 ] && grep -q '^dpdref: nothing was compared' err || fail "compare without a reference: $(cat err)"
+done
 expect 2 "--answer ID" -- compare code.csv
 expect 2 code.csv -- compare code.csv --reference code.csv
 expect 2 none.json -- compare code.csv --answer gas --answers none.json
