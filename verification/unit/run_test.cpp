@@ -633,6 +633,14 @@ BOOST_AUTO_TEST_CASE(what_a_run_cannot_reach_is_refused) {
     }
 }
 
+// Its blocks are joined where a block has few time origins: not before the run.
+BOOST_AUTO_TEST_CASE(a_diffusion_constant_may_be_wanted) {
+    Scene const scene = with(scene_of({2, "shardlow", 0.0}),
+                             {"sample.mean_square_displacement={spacing=0.1,longest=0.5,origins=0.1}",
+                              "time.until.diffusion_constant=0.2"});
+    BOOST_TEST(run(scene).errors.at(0).reached());
+}
+
 // --- seeds -----------------------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_CASE(same_seed_same_bits_another_seed_other_bits) {
