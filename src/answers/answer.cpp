@@ -2,18 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
 #include "conventions.hpp"
 #include "errors.hpp"
 #include "names.hpp"
+#include "query.hpp"
+#include "state_point.hpp"
+#include "statistics.hpp"
 #include "theory/registry.hpp"
 #include "theory_arguments.hpp"
 
@@ -22,213 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json parse_answers(std::string const& text) {
-    try {
-        return Json::parse(text);
-    } catch (Json::exception const& error) {
-        throw InputError(fmt::format("answers: {}; allowed: a file of `dpdref answers`", error.what()));
-    }
-}
-
-std::string text_of(Json const& value) {
-    return value.is_string() ? value.get<std::string>() : fmt::format("{}", value.get<double>());
-}
-
-// --- units: what is asked for and what was measured meet where cutoff, mass and kT are 1
-
-struct Units {
-    double length = 1.0, mass = 1.0, energy = 1.0;
-
-    double time() const { return length * std::sqrt(mass / energy); }
-    bool operator==(Units const&) const = default;
-};
-
-// The unit of a parameter in d dimensions; 1 for what has none.
-double parameter_unit(std::string_view key, Units const& of, int d) {
-    if (key == "n") return std::pow(of.length, -d);
-    if (key == "a") return of.energy / of.length;
-    if (key == "gamma") return of.mass / of.time();
-    if (key == "sigma") return std::sqrt(of.energy * of.mass / of.time());
-    if (key == "dt") return of.time();
-    if (key == "Gamma" || key == "shear_rate") return 1.0 / of.time();
-    if (key == "rc") return of.length;
-    if (key == "m") return of.mass;
-    if (key == "kT") return of.energy;
-    return 1.0;
-}
-
-// The unit of a quantity; nothing for those that only dpdref derives.
-std::optional<double> unit_of(std::string_view quantity, Units const& of, int d) {
-    if (quantity.ends_with("temperature") || quantity == "potential_energy") return of.energy;
-    if (quantity == "pressure") return of.energy / std::pow(of.length, d);
-    if (quantity.ends_with("diffusion_constant")) return of.length * of.length / of.time();
-    if (quantity == "viscosity" ||
-        (quantity.ends_with("_viscosity") && !quantity.starts_with("potential_viscosity_")))
-        return of.mass / (std::pow(of.length, d - 2) * of.time());
-    if (quantity == "speed_of_sound") return of.length / of.time();
-    return {};
-}
-
-double number_of(Json const& parameters, char const* key, double fallback) {
-    return parameters.contains(key) ? parameters[key].get<double>() : fallback;
-}
-
-// A state point's own. Without a repulsion of DPD's the cutoff is not what its lengths are measured in.
-Units units_of(Json const& parameters) {
-    return {.length = parameters.contains("a") ? number_of(parameters, "rc", 1.0) : 1.0,
-            .mass = number_of(parameters, "m", 1.0),
-            .energy = number_of(parameters, "kT", 1.0)};
-}
-
 int dimension_of(Json const& parameters) { return parameters["d"].get<int>(); }
-
-// A state point's parameters in units of its own (cutoff, mass and kT become 1), times those that are given.
-Json in_units(Json const& parameters, Units const& units) {
-    Json scaled = parameters;
-    Units const own = units_of(parameters);
-    int const d = dimension_of(parameters);
-    for (auto& [key, value] : scaled.items())
-        if (value.is_number_float())
-            value = value.get<double>() * parameter_unit(key, units, d) / parameter_unit(key, own, d);
-        else if (key == "L")
-            for (auto& side : value) side = side.get<double>() * units.length / own.length;
-    return scaled;
-}
-
-// --- queries
-
-double asked_number(std::string const& key, std::string const& text) {
-    double number = 0.0;
-    auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number) || number < 0.0)
-        throw InputError(fmt::format("answer: {}={}: not allowed; allowed: a number >= 0", key, text));
-    return number;
-}
-
-bool is_text(std::string_view key) {
-    return key == "d" || key == "integrator" || key == "scheme" || key == "weight";
-}
-
-struct Query {
-    Units units;
-    int d = 3;
-    Assignments asked;       // with cutoff, mass and kT 1
-    std::string integrator;  // of the code whose parameters these are: others count as far, not as wrong
-};
-
-std::string value_in(Assignments const& assignments, std::string_view key, std::string const& fallback) {
-    for (auto const& [name, value] : assignments)
-        if (name == key) return value;
-    return fallback;
-}
-
-// key=value by key; InputError for a word that is none.
-Assignments assignments_of(std::vector<std::string> const& words) {
-    Assignments assignments;
-    for (auto const& word : words) {
-        auto const equals = word.find('=');
-        std::string const key = word.substr(0, equals);
-        if (equals == std::string::npos || !value_in(assignments, key, "").empty())
-            throw InputError(fmt::format("answer: {}: not allowed; allowed: key=value, each key once", word));
-        assignments.emplace_back(key, word.substr(equals + 1));
-    }
-    return assignments;
-}
-
-// In the closed forms' parameters. Of friction, noise and kT two are enough: kT = sigma^2/(2 gamma).
-Query own_query(Json const& states, std::vector<std::string> const& words) {
-    std::set<std::string> known;
-    for (auto const& state : states)
-        for (auto const& [key, value] : state["parameters"].items())
-            if (!value.is_array()) known.insert(key);
-    if (known.contains("gamma")) known.insert("sigma");
-    Assignments const given = assignments_of(words);
-    for (auto const& [key, value] : given)
-        if (!known.contains(key))
-            throw InputError(fmt::format(
-                "answer: {}={}: not allowed; allowed: the id of one state point, or key=value with {}", key,
-                value, fmt::join(known, ", ")));
-    Query query;
-    std::map<std::string, double> numbers;
-    for (auto const& [key, value] : given)
-        if (!is_text(key)) numbers[key] = asked_number(key, value);
-    auto const unit = [&](char const* key) {
-        double const one = numbers.contains(key) ? numbers[key] : 1.0;
-        if (one == 0.0)
-            throw InputError(fmt::format("answer: {}=0: not allowed; allowed: a number > 0", key));
-        return one;
-    };
-    if (numbers.contains("sigma")) {
-        double const half_square = 0.5 * numbers["sigma"] * numbers["sigma"];
-        bool const friction = numbers.contains("gamma"), heat = numbers.contains("kT");
-        if (friction && heat && std::abs(half_square - numbers["gamma"] * numbers["kT"]) > 1e-6 * half_square)
-            throw InputError(
-                fmt::format("answer: sigma={}: is not (2 gamma kT)^(1/2); allowed: two of the three",
-                            value_in(given, "sigma", "")));
-        if (!heat && friction) numbers["kT"] = half_square / unit("gamma");
-        if (!friction) numbers["gamma"] = half_square / unit("kT");
-        numbers.erase("sigma");
-    }
-    query.units = {.length = unit("rc"), .mass = unit("m"), .energy = unit("kT")};
-    query.d = value_in(given, "d", "3") == "2" ? 2 : 3;
-    for (auto const& [key, value] : given)
-        if (is_text(key)) query.asked.emplace_back(key, value);
-    for (auto const& [key, number] : numbers)
-        if (key != "rc" && key != "m" && key != "kT")
-            query.asked.emplace_back(key,
-                                     fmt::format("{}", number / parameter_unit(key, query.units, query.d)));
-    return query;
-}
-
-// What of the state points moves particles as a code does.
-std::string_view integrator_of(Mover mover) {
-    switch (mover) {
-        case Mover::velocity_verlet:
-            return "GW 0.5";
-        case Mover::s1:
-            return "S1";
-        case Mover::exponential:
-            return "Peters";
-        case Mover::middle:
-            return "LFMiddle";
-        case Mover::euler:
-            return "Euler, old";
-        case Mover::leapfrog:
-            return "Euler, new";
-    }
-    return "";
-}
-
-// In another code's parameters, with density, dimension and integrator by our names.
-Query foreign_query(Code const& code, std::vector<std::string> const& words) {
-    static constexpr std::array<std::string_view, 3> ours{"n", "d", "integrator"};
-    Assignments given, own;
-    for (auto const& assignment : assignments_of(words))
-        (std::ranges::find(ours, assignment.first) != ours.end() ? own : given).push_back(assignment);
-    DpdFluid const fluid = read_fluid(code, given);
-    if (fluid.kT == 0.0) throw InputError(fmt::format("answer: {}: kT is 0; allowed: above", code.name));
-    Query query;
-    query.units = {.length = fluid.rc, .mass = fluid.m, .energy = fluid.kT};
-    query.d = value_in(own, "d", "3") == "2" ? 2 : 3;
-    auto const ask = [&](std::string const& key, double value) {
-        query.asked.emplace_back(key, fmt::format("{}", value / parameter_unit(key, query.units, query.d)));
-    };
-    query.asked.emplace_back("d", value_in(own, "d", "3"));
-    if (auto const density = value_in(own, "n", ""); !density.empty()) ask("n", asked_number("n", density));
-    ask("a", fluid.a);
-    ask("gamma", fluid.gamma);
-    if (fluid.dt) ask("dt", *fluid.dt);
-    TheoryArguments weight;
-    set_weight_arguments(weight, fluid.weight);
-    query.asked.insert(query.asked.end(), weight.begin(), weight.end());
-    if (auto const integrator = value_in(own, "integrator", ""); !integrator.empty())
-        query.asked.emplace_back("integrator", integrator);
-    else
-        query.integrator = integrator_of(code.mover);
-    return query;
-}
-
-// --- the nearest state point
 
 // How far a parameter is from what is asked for, both in units of cutoff, mass and kT; infinitely for a text
 // that differs.
@@ -240,37 +36,100 @@ double distance(Json const& reduced, std::string const& key, std::string const& 
     return number > 0.0 && value > 0.0 ? std::log(number / value) : number - value;
 }
 
-// First the fluid counts, then how it is moved, then box and flow: the nearest step of another fluid is none.
-std::size_t rank_of(std::string_view key) {
-    if (key == "dt" || key == "integrator" || key == "scheme") return 1;
-    return key == "N" || key == "shear_rate" ? 2 : 0;
+// What may differ: first the friction counts, then the step, then box and flow. All else is another fluid or
+// another integrator.
+constexpr std::array<std::array<std::string_view, 2>, 3> may_differ{
+    {{"gamma", "Gamma"}, {"dt", ""}, {"N", "shear_rate"}}};
+
+auto rank_of(std::string_view key) {
+    return std::ranges::find_if(may_differ,
+                                [&](auto const& keys) { return std::ranges::find(keys, key) != keys.end(); });
+}
+
+// Squared distances by what may differ; nothing for another fluid or integrator.
+std::optional<std::array<double, 3>> distances(Json const& reduced, Assignments const& asked) {
+    std::array<double, 3> sums{};
+    for (auto const& [key, value] : asked) {
+        double const far = distance(reduced, key, value);
+        auto const rank = rank_of(key);
+        if (!std::isfinite(far) || (far != 0.0 && rank == may_differ.end())) return {};
+        if (rank != may_differ.end()) sums[std::size_t(rank - may_differ.begin())] += far * far;
+    }
+    return sums;
+}
+
+// "dt is 0.02, not 0.03" for each parameter that differs, in the units of the query.
+std::vector<std::string> differences(Json const& reduced, Query const& query) {
+    std::vector<std::string> texts;
+    for (auto const& [key, value] : query.asked) {
+        if (distance(reduced, key, value) == 0.0) continue;
+        double const unit = parameter_unit(key, query.units, query.d);
+        auto const in_units = [&](std::string const& text) {
+            return is_text(key) ? text : fmt::format("{:.6g}", unit * asked_number(key, text));
+        };
+        texts.push_back(reduced.contains(key) ? fmt::format("{} is {}, not {}", key,
+                                                            in_units(text_of(reduced[key])), in_units(value))
+                                              : fmt::format("has no {}", key));
+    }
+    return texts;
+}
+
+// Where the step that is asked for is at most half of any that was measured, the limit of a small one is
+// nearer.
+Json const* limit_for(Json const& states, Query const& query, Json const& nearest) {
+    std::string const step = value_in(query.asked, "dt", "");
+    if (step.empty()) return nullptr;
+    Assignments fluid;
+    for (auto const& assignment : query.asked)
+        if (assignment.first != "dt" && assignment.first != "integrator" && assignment.first != "scheme")
+            fluid.push_back(assignment);
+    for (auto const& state : states) {
+        if (!state.contains("limit")) continue;
+        Json const& reduced = parameters_in(state["parameters"], {});
+        auto const far = distances(reduced, fluid);
+        double const least = parameters_in((nearest.is_null() ? state : nearest)["parameters"], {})["dt"];
+        if (far && (*far)[0] == 0.0 && asked_number("dt", step) <= 0.5 * least) return &state;
+    }
+    return nullptr;
 }
 
 struct Found {
     Json state;
     Query query;
-    bool other_fluid = false;
+    std::vector<std::string> differences;  // from what was asked for
 };
+
+// No state point is that fluid: which comes nearest, and why it is not given.
+[[noreturn]] void refuse_other_fluids(Json const& states, Query const& query) {
+    Query decisive = query;
+    std::erase_if(decisive.asked, [](auto const& one) {
+        return rank_of(one.first) != may_differ.end() && one.first != "gamma" && one.first != "Gamma";
+    });
+    std::vector<std::string> least;
+    std::string nearest;
+    for (auto const& state : states) {
+        auto const these = differences(parameters_in(state["parameters"], {}), decisive);
+        if (nearest.empty() || these.size() < least.size()) least = these, nearest = state["id"];
+    }
+    throw InputError(fmt::format(
+        "answer: no state point is that fluid by that integrator: in {} {}; allowed: what `dpdref answer` "
+        "lists, and --measure",
+        nearest, least.empty() ? "not all of it is known" : fmt::format("{}", fmt::join(least, ", "))));
+}
 
 Found look_up(std::string const& answers, std::vector<std::string> const& words, Code const* code) {
     Json const json = parse_answers(answers);
     Json const& states = json["states"];
-    if (!code && words.size() == 1 && words[0].find('=') == std::string::npos) {
-        std::vector<std::string> ids;
-        for (auto const& state : states) {
-            ids.push_back(state["id"]);
-            if (ids.back() != words[0]) continue;
-            Json const& parameters = state["parameters"];
-            Query const as_it_is{
-                .units = units_of(parameters), .d = dimension_of(parameters), .asked = {}, .integrator = {}};
-            return {.state = state, .query = as_it_is};
-        }
-        throw InputError(
-            fmt::format("answer {}: unknown; allowed: key=value ..., {}", words[0], fmt::join(ids, ", ")));
+    if (is_id(words, code)) {
+        Json const& state = state_named(states, words[0]);
+        Json const& parameters = state["parameters"];
+        return {.state = state,
+                .query = {.units = units_of(parameters), .d = dimension_of(parameters), .asked = {}},
+                .differences = {}};
     }
-    Found found{.state = {}, .query = code ? foreign_query(*code, words) : own_query(states, words)};
-    auto const& asked = found.query.asked;
-    bool const any = found.query.integrator.empty() && value_in(asked, "integrator", "").empty();
+    Found found{.state = {}, .query = read_query(states, words, code), .differences = {}};
+    Query const& query = found.query;
+    bool const any = value_in(query.asked, "integrator", "").empty();
     std::array<double, 3> nearest{INFINITY, INFINITY, INFINITY};
     for (auto const& state : states) {
         Json const& parameters = state["parameters"];
@@ -278,39 +137,36 @@ Found look_up(std::string const& answers, std::vector<std::string> const& words,
         if (auto const& stages = parameters["stages"];
             any && std::find(stages.begin(), stages.end(), "euler") != stages.end())
             continue;
-        Json const reduced = in_units(parameters, {});
-        std::array<double, 3> sums{};
-        if (auto const& its = found.query.integrator;
-            !its.empty() && text_of(parameters["integrator"]) != its)
-            sums[1] = 1e6;
-        for (auto const& [key, value] : asked)
-            sums[rank_of(key)] += std::pow(distance(reduced, key, value), 2);
-        if (std::isfinite(sums[0] + sums[1] + sums[2]) && sums < nearest) nearest = sums, found.state = state;
+        if (auto const far = distances(parameters_in(parameters, {}), query.asked); far && *far < nearest)
+            nearest = *far, found.state = state;
     }
-    if (found.state.is_null())
-        throw InputError(
-            fmt::format("answer: no state point has {}; see dpdref answer", fmt::join(words, ", ")));
-    found.other_fluid = nearest[0] > 0.0;
+    if (Json const* const limit = limit_for(states, query, found.state)) found.state = *limit;
+    if (found.state.is_null()) refuse_other_fluids(states, query);
+    found.differences = differences(parameters_in(found.state["parameters"], {}), query);
     return found;
 }
 
-// A closed form for the state point's parameters and what was asked for instead.
-std::string closed_form_text(std::string const& id, Json const& reduced, Assignments const& asked,
-                             double unit) {
+// A closed form for the state point's parameters and what was asked for instead, in the units of the query.
+std::string closed_form_text(std::string const& id, Json const& parameters, Query const& query) {
     std::map<std::string, std::string> arguments;
-    for (auto const& [key, value] : reduced.items())
+    for (auto const& [key, value] : parameters.items())
         if (!value.is_array()) arguments[key] = text_of(value);
-    if (reduced.contains("L")) {  // of a box that is no cube, the cube of the same volume
+    if (parameters.contains("L")) {  // of a box that is no cube, the cube of the same volume
         double volume = 1.0;
-        for (auto const& side : reduced["L"]) volume *= side.get<double>();
+        for (auto const& side : parameters["L"]) volume *= side.get<double>();
         arguments["box"] =
-            fmt::format("{}", std::pow(volume, 1.0 / static_cast<double>(reduced["L"].size())));
+            fmt::format("{}", std::pow(volume, 1.0 / static_cast<double>(parameters["L"].size())));
     }
-    for (auto const& [key, value] : asked) arguments[key] = value;
+    for (auto const& [key, value] : query.asked)
+        arguments[key] =
+            is_text(key)
+                ? value
+                : fmt::format("{}", asked_number(key, value) * parameter_unit(key, query.units, query.d));
     if (arguments.contains("sigma"))
-        arguments["sigma"] = fmt::format("{}", std::sqrt(2.0 * std::stod(arguments["gamma"])));
+        arguments["sigma"] =
+            fmt::format("{}", std::sqrt(2.0 * std::stod(arguments["gamma"]) * query.units.energy));
     try {
-        return fmt::format("{:.6g}", unit * theory_value(id, arguments));
+        return fmt::format("{:.6g}", theory_value(id, arguments));
     } catch (std::exception const& error) {
         return error.what();
     }
@@ -340,70 +196,129 @@ std::string parameters_text(Json const& parameters) {
     return text;
 }
 
-}  // namespace
+struct Peak {
+    Estimate r, height;
+};
 
-std::string answer_text(std::string const& answers, std::vector<std::string> const& words, Code const* code) {
-    std::string text;
-    if (words.empty()) {
-        Json const json = parse_answers(answers);
-        for (auto const& state : json["states"])
-            text +=
-                fmt::format("{:<22} {}\n", state["id"].get<std::string>(), state["title"].get<std::string>());
-        return text;
+// The highest point of g(r), of a parabola through the seven bins about the highest by least squares, errors
+// as of independent bins; nothing where g(r) does not rise above 1 or has its highest bin at the end.
+std::optional<Peak> peak_of_g(Json const& state) {
+    if (!state.contains("curves") || !state["curves"].contains("radial_distribution")) return {};
+    Json const& curve = state["curves"]["radial_distribution"];
+    auto const x = curve["x"].get<std::vector<double>>(), g = curve["value"].get<std::vector<double>>();
+    std::vector<double> error;
+    for (auto const& one : curve["error"]) error.push_back(one.is_number() ? one.get<double>() : NAN);
+    constexpr std::ptrdiff_t half = 3, bins = 2 * half + 1;
+    auto const top = std::max_element(g.begin(), g.end()) - g.begin();
+    if (g.size() != x.size() || error.size() != x.size() || top < half || top + half >= std::ssize(g))
+        return {};
+    double const width = x[1] - x[0];
+    Eigen::Matrix<double, bins, 3> powers;
+    Eigen::Vector<double, bins> values, weights;
+    for (std::ptrdiff_t k = 0; k < bins; ++k) {
+        auto const bin = std::size_t(top + k - half);
+        double const t = double(k - half);
+        powers.row(k) << 1.0, t, t * t;
+        values(k) = g[bin];
+        weights(k) = 1.0 / (error[bin] * error[bin]);
     }
-    auto const [state, query, other_fluid] = look_up(answers, words, code);
-    auto const& [units, d, asked, integrator] = query;
-    Json const& parameters = state["parameters"];
-    Units const own = units_of(parameters);
-    Json const scaled = in_units(parameters, units), reduced = in_units(parameters, {});
-    text = fmt::format("{}: {}\n {}\n", state["id"].get<std::string>(), state["title"].get<std::string>(),
-                       parameters_text(parameters));
-    if (code)
-        text += fmt::format("  {}\n", parameters_of(*code, units, scaled));
-    else if (units != own)
-        text += fmt::format("  in your units, as all values below:{}\n", parameters_text(scaled));
-    if (!integrator.empty() && integrator != text_of(parameters["integrator"]))
-        text += fmt::format("  moved by {}; {} moves by {}, which was not measured for this fluid\n",
-                            text_of(parameters["integrator"]), code->name, integrator);
-    if (other_fluid) text += "  not the fluid that was asked for; of all measured ones the nearest\n";
-    bool other = false;
-    for (auto const& [key, value] : asked)
-        if (distance(reduced, key, value) != 0.0) {
-            other = true;
-            double const unit = parameter_unit(key, units, d);
-            text += fmt::format("  asked for {}={:.6g}; the nearest state point has {:.6g}\n", key,
-                                unit * asked_number(key, value), unit * reduced[key].get<double>());
-        }
-    for (auto const& [name, quantity] : state["quantities"].items()) {
-        auto const in_own = unit_of(name, own, d), in_asked = unit_of(name, units, d);
-        if (units != own && !in_own) continue;
-        double const unit = units == own ? 1.0 : *in_asked / *in_own;
-        text += fmt::format("  {:<30} {:>14.6g} +- {:<9.2g} ({} blocks)", name,
-                            unit * quantity["value"].get<double>(), unit * quantity["error"].get<double>(),
-                            quantity["blocks"].get<std::uint64_t>());
-        if (quantity.contains("closed_form")) {
-            auto const& form = quantity["closed_form"];
-            text += fmt::format("  {} = {:.6g}", form["id"].get<std::string>(),
-                                unit * form["value"].get<double>());
-            if (other)
-                text += fmt::format(" (as asked: {})",
-                                    closed_form_text(form["id"], reduced, asked, in_asked.value_or(1.0)));
-            if (auto const id = theory::with_memory(form["id"].get<std::string>()); !id.empty())
-                text += fmt::format(", {} = {}{}", id,
-                                    closed_form_text(std::string(id), reduced, asked, in_asked.value_or(1.0)),
-                                    other ? " (as asked)" : "");
-        }
-        text += "\n";
+    Eigen::Matrix3d const covariance = (powers.transpose() * weights.asDiagonal() * powers).inverse();
+    Eigen::Vector3d const c = covariance * (powers.transpose() * weights.asDiagonal() * values);
+    double const t = -c(1) / (2.0 * c(2)), height = c(0) + c(1) * t + c(2) * t * t;
+    Eigen::Vector3d const of_t(0.0, -1.0 / (2.0 * c(2)), c(1) / (2.0 * c(2) * c(2))),
+        of_height(1.0, t, t * t);
+    auto const spread = [&](Eigen::Vector3d const& gradient) {
+        return std::sqrt(gradient.dot(covariance * gradient));
+    };
+    Peak const peak{.r = {.value = x[std::size_t(top)] + t * width, .error = spread(of_t) * width},
+                    .height = {.value = height, .error = spread(of_height)}};
+    bool const rises = c(2) < 0.0 && std::abs(t) <= double(half) && height - 1.0 > 5.0 * peak.height.error;
+    return rises ? std::optional(peak) : std::nullopt;
+}
+
+// A state point in the units of the query, with what differs and the peak of g(r).
+Json answer_of(Found const& found) {
+    Json state = state_in(found.state, found.query.units);
+    if (!found.differences.empty()) state["differs"] = found.differences;
+    if (auto const peak = peak_of_g(state))
+        state["radial_distribution_peak"] = {{"r", peak->r.value},
+                                             {"r_error", peak->r.error},
+                                             {"value", peak->height.value},
+                                             {"error", peak->height.error}};
+    return state;
+}
+
+// The state points, a line each, by what distinguishes them.
+std::string list_of(Json const& states) {
+    std::string text = fmt::format("{:<20} {:>2} {:>3} {:>6} {:>9} {:<10} {:<17} {:<6} title\n",
+                                   "state point", "d", "n", "a", "friction", "weight", "integrator", "step");
+    for (auto const& state : states) {
+        auto const [d, n, a, friction, weight, integrator, step] = naming_cells(state["parameters"]);
+        text += fmt::format("{:<20} {:>2} {:>3} {:>6} {:>9} {:<10} {:<17} {:<6} {}\n",
+                            state["id"].get<std::string>(), d, n, a, friction, weight, integrator, step,
+                            state["title"].get<std::string>());
     }
-    if (other)
-        text += fmt::format(
-            "  what was not measured, a run measures: dpdref answer {} --scene rest >scene.toml\n",
-            state["id"].get<std::string>());
     return text;
 }
 
-std::string answer_json(std::string const& answers, std::vector<std::string> const& words) {
-    return (words.empty() ? parse_answers(answers) : look_up(answers, words, nullptr).state).dump(1) + "\n";
+}  // namespace
+
+std::string answer_text(std::string const& answers, std::vector<std::string> const& words, Code const* code) {
+    if (words.empty()) return list_of(parse_answers(answers)["states"]);
+    Found const found = look_up(answers, words, code);
+    Query const& query = found.query;
+    Json const state = answer_of(found);
+    Json const &parameters = state["parameters"], &own = found.state["parameters"];
+    std::string text;
+    if (!found.differences.empty())
+        text = fmt::format(
+            "not what was asked for: {}{}\n", fmt::join(found.differences, ", "),
+            state.contains("limit")
+                ? "; the limit of a small step, which integrators share, at a step that does not show"
+                : "; --measure measures what was");
+    text += fmt::format("{}: {}\n {}\n", state["id"].get<std::string>(), state["title"].get<std::string>(),
+                        parameters_text(own));
+    if (code)
+        text += fmt::format("  {}\n", parameters_of(*code, query.units, parameters));
+    else if (query.units != units_of(own))
+        text += fmt::format("  in your units, as all values below:{}\n", parameters_text(parameters));
+    for (auto const& [name, quantity] : state["quantities"].items()) {
+        text +=
+            fmt::format("  {:<30} {:>14.6g} +- {:<9.2g} ({} blocks)", name, quantity["value"].get<double>(),
+                        quantity["error"].get<double>(), quantity["blocks"].get<std::uint64_t>());
+        if (quantity.contains("closed_form")) {
+            auto const& form = quantity["closed_form"];
+            auto const id = form["id"].get<std::string>();
+            bool const other = !found.differences.empty();
+            text += fmt::format("  {} = {:.6g}", id, form["value"].get<double>());
+            if (other) text += fmt::format(" (as asked: {})", closed_form_text(id, parameters, query));
+            if (auto const with = theory::with_memory(id); !with.empty())
+                text +=
+                    fmt::format(", {} = {}{}", with, closed_form_text(std::string(with), parameters, query),
+                                other ? " (as asked)" : "");
+        }
+        text += "\n";
+    }
+    if (auto const peak = peak_of_g(state))
+        text += fmt::format("  {:<30} {:>14.6g} +- {:<9.2g} at r = {:.4g} +- {:.1g}\n",
+                            "radial_distribution_peak", peak->height.value, peak->height.error, peak->r.value,
+                            peak->r.error);
+    return text;
+}
+
+std::string answer_json(std::string const& answers, std::vector<std::string> const& words, Code const* code) {
+    return (words.empty() ? parse_answers(answers) : answer_of(look_up(answers, words, code))).dump(1) + "\n";
+}
+
+std::string answer_file(std::string const& answers, std::vector<std::string> const& words, Code const* code) {
+    Found const found = look_up(answers, words, code);
+    if (!found.differences.empty())
+        throw InputError(fmt::format("{}: is not what was asked for: {}; allowed: with --measure",
+                                     found.state["id"].get<std::string>(),
+                                     fmt::join(found.differences, ", ")));
+    Json file = parse_answers(answers);
+    file["states"] = Json::array({state_in(found.state, found.query.units)});
+    return file.dump();
 }
 
 std::string answer_scene(std::string const& answers, std::vector<std::string> const& words,

@@ -12,10 +12,13 @@
 
 #include "budget.hpp"
 #include "derived.hpp"
+#include "errors.hpp"
 #include "files.hpp"
 #include "integrators.hpp"
 #include "picture.hpp"
+#include "run.hpp"
 #include "run_figure.hpp"
+#include "state_point.hpp"
 #include "theory/closed_forms.hpp"
 #include "theory/registry.hpp"
 #include "theory_arguments.hpp"
@@ -45,11 +48,59 @@ void append(std::vector<std::string>& to, std::vector<std::string> const& more) 
     to.insert(to.end(), more.begin(), more.end());
 }
 
-}  // namespace
+// Of --measure: a run is at most so many times as long as the quick budget's.
+constexpr double most_growth = 4096.0;
 
-Answers load_answers(std::filesystem::path const& directory, std::string const& budget) {
+constexpr std::uint64_t steps_of_timing = 100;
+
+// A fluid as a table [[state]].
+toml::table state_of(FluidToMeasure const& fluid, std::vector<Integrator> const& integrators) {
+    std::vector<std::string> known;
+    Integrator const* found = nullptr;
+    for (auto const& one : integrators) {
+        if (one.friction.empty() || !one.repulsion.ends_with(".soft.strength")) continue;
+        known.push_back(one.name);
+        if (one.name == fluid.integrator) found = &one;
+    }
+    if (!found)
+        throw InputError(fmt::format("answer: integrator={}: cannot be measured; allowed: {}",
+                                     fluid.integrator, fmt::join(known, "; ")));
+    if (bool const rates = found->friction.ends_with(".rate"); rates != fluid.rates)
+        throw InputError(
+            fmt::format("answer: integrator={}: has {}; allowed: {}", found->name,
+                        rates ? "a rate of updates, no friction" : "a friction, no rate of updates",
+                        rates ? "Gamma" : "gamma"));
+    double const volume = double(fluid.particles) / fluid.density,
+                 side = fluid.dimension == 2 ? std::sqrt(volume) : std::cbrt(volume);
+    toml::array sides;
+    for (int axis = 0; axis < fluid.dimension; ++axis) sides.push_back(side);
+    toml::table set{{"dimension", fluid.dimension},
+                    {"particles.density", fluid.density},
+                    {"box.length", sides},
+                    {"sample.radial_distribution.range", std::min(2.0, 0.5 * side)}};
+    std::string const thermostat = found->friction.substr(0, found->friction.find('.'));
+    if (!fluid.weight.empty()) set.insert(thermostat + ".weight", fluid.weight);
+    if (fluid.exponent > 0.0) set.insert(thermostat + ".exponent", fluid.exponent);
+    toml::table state{{"id", fluid.id},
+                      {"title", "measured for this query"},
+                      {"integrator", fluid.integrator},
+                      {"step", fluid.step},
+                      {"friction", fluid.friction / found->friction_scale},
+                      {"repulsion", fluid.repulsion},
+                      {"set", set}};
+    if (fluid.shear_rate) state.insert("shear_rate", *fluid.shear_rate);
+    return state;
+}
+
+// The state points of a budget, or a single one, to be measured within a relative error.
+Answers load(std::filesystem::path const& directory, std::string const& budget, FluidToMeasure const* fluid,
+             double within) {
     auto const file = directory / "answers.toml";
-    toml::table const document = parse_toml(read_file(file), file.string());
+    auto integrators = read_integrators(directory / "integrators.toml");
+    if (auto const shared = find_above(directory, "integrators.toml"))
+        for (auto& integrator : read_integrators(*shared)) integrators.push_back(integrator);
+    toml::table document = parse_toml(read_file(file), file.string());
+    if (fluid) document.insert_or_assign("state", toml::array{state_of(*fluid, integrators)});
     TomlReader root(document, "", file.string());
     std::ostringstream base;
     base << root.required_table("scene").raw();
@@ -93,9 +144,13 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
         closed_forms.push_back(form);
     }
 
-    auto integrators = read_integrators(directory / "integrators.toml");
-    if (auto const shared = find_above(directory, "integrators.toml"))
-        for (auto& integrator : read_integrators(*shared)) integrators.push_back(integrator);
+    if (fluid)
+        for (auto const& [quantity, share] : errors_wanted_of_answers) {
+            auto const setting = fmt::format("time.until.{}={}", quantity, share * within);
+            bool const of_flow = quantity == std::string_view("viscosity");
+            (of_flow ? shear : rest).settings.push_back(setting);
+            if (quantity == std::string_view("pressure")) densities.settings.push_back(setting);
+        }
 
     Answers answers;
     answers.figure.id = "answers";
@@ -103,6 +158,7 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
         StatePoint state{.id = table.text("id", std::nullopt),
                          .title = table.text("title", std::nullopt),
                          .integrator = table.text("integrator", std::nullopt),
+                         .limit = table.boolean("limit", false),
                          .closed_forms = {}};
         double const step = table.number("step", std::nullopt, positive),
                      friction = table.number("friction", std::nullopt, non_negative),
@@ -129,10 +185,10 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
                              std::vector<std::string> const& more) {
             auto const in_steps = [&](double time) { return std::max(1L, std::lround(time / step)); };
             auto overrides = scene_settings(*integrator, flows, friction, repulsion, kT);
-            append(overrides, {fmt::format("time.step={}", step),
-                               fmt::format("time.duration={}",
-                                           effort.duration_scale * kind.duration / double(effort.seeds)),
+            double const duration = effort.duration_scale * kind.duration / double(effort.seeds);
+            append(overrides, {fmt::format("time.step={}", step), fmt::format("time.duration={}", duration),
                                fmt::format("sample.interval={}", in_steps(kind.interval))});
+            if (fluid) overrides.push_back(fmt::format("time.longest={}", most_growth * duration));
             append(overrides, kind.settings);
             if (repulsion > 0.0 && &kind == &at_rest) append(overrides, interacting_settings);
             if (kind.radial_interval > 0.0)
@@ -140,8 +196,15 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
                     fmt::format("sample.radial_distribution.interval={}", in_steps(kind.radial_interval)));
             append(overrides, settings);
             append(overrides, more);
-            Scene const scene =
-                parse_scene(base.str(), fmt::format("{} ({}{})", file.string(), state.id, suffix), overrides);
+            Scene const scene = [&] {
+                try {
+                    return parse_scene(base.str(), fmt::format("{} ({}{})", file.string(), state.id, suffix),
+                                       overrides);
+                } catch (InputError const& error) {
+                    if (!fluid) throw;
+                    throw InputError(fmt::format("answer --measure: its scene: {}", error.what()));
+                }
+            }();
             Point point;
             point.curve = answers.figure.curves.size();
             point.runs.assign(effort.seeds, scene);
@@ -182,6 +245,16 @@ Answers load_answers(std::filesystem::path const& directory, std::string const& 
     }
     root.finish();
     return answers;
+}
+
+}  // namespace
+
+Answers load_answers(std::filesystem::path const& directory, std::string const& budget) {
+    return load(directory, budget, nullptr, 0.0);
+}
+
+Answers load_answer(std::filesystem::path const& directory, FluidToMeasure const& fluid, double within) {
+    return load(directory, "quick", &fluid, within);
 }
 
 // --- measuring -------------------------------------------------------------------------------------------
@@ -231,6 +304,7 @@ Json parameters_of(StatePoint const& state, Scene const& scene, Point const* she
         else
             parameters[name] = text;
     }
+    parameters.erase("box");  // L says it
     if (!scene.potential()) parameters["a"] = 0.0;
     parameters["d"] = scene.dimension;
     parameters["n"] = scene.density();
@@ -246,6 +320,7 @@ Json state_json(StatePoint const& state, Figure const& figure) {
     Point const* const shear = sheared.empty() ? nullptr : sheared.front();
     Scene const& scene = rest.runs.front();
     Json json{{"id", state.id}, {"title", state.title}};
+    if (state.limit) json["limit"] = true;
     json["parameters"] = parameters_of(state, scene, shear);
     for (auto const& quantity : all_quantities(rest, shear)) {
         auto const& estimate = quantity.estimate;
@@ -268,6 +343,7 @@ Json state_json(StatePoint const& state, Figure const& figure) {
             json["seeds"] = point->runs.size();
         }
     json["seconds"] = rest.seconds;
+    json["engine_revision"] = engine_revision;
     return json;
 }
 
@@ -297,8 +373,22 @@ std::string table_of(Json const& states, Columns const& columns) {
     return text;
 }
 
+// What the state points are, as a table.
+std::string fluids_of(Json const& states) {
+    std::string text = fmt::format("| state point | {} |\n|---", fmt::join(naming_columns, " | "));
+    for (std::size_t column = 0; column < naming_columns.size(); ++column) text += "|---";
+    text += "|\n";
+    for (auto const& state : states) {
+        text += fmt::format("| `{}` |", state["id"].get<std::string>());
+        for (auto const& cell : naming_cells(state["parameters"])) text += fmt::format(" {} |", cell);
+        text += "\n";
+    }
+    return text;
+}
+
 std::string tables_of(Json const& states) {
-    return table_of(states, {{"kinetic_temperature", "kT"},
+    return fluids_of(states) + "\n" +
+           table_of(states, {{"kinetic_temperature", "kT"},
                              {"configurational_temperature", "kT of forces"},
                              {"pressure", "pressure"},
                              {"potential_energy", "energy"},
@@ -330,19 +420,63 @@ std::string csv_of(Json const& states) {
 
 }  // namespace
 
-void measure_answers(Answers& answers, std::string const& budget, CampaignOptions const& options) {
+double expected_seconds(Answers const& answers, std::string const& state) {
+    Json const known = Json::parse(state);
+    auto const scene_of = [&](std::string const& name) {
+        Json const& scenes = known["scenes"];
+        return parse_scene(scenes.value(name, scenes["rest"].get<std::string>()), "answers: " + name);
+    };
+    Scene const rest = scene_of("rest"), shear = scene_of("shear");
+    double seconds = 0.0;
+    std::set<std::string> counted;
+    for (auto const& point : answers.figure.points)
+        for (auto const& scene : point.runs) {
+            if (!counted.insert(scene.key()).second) continue;
+            Scene timing = scene;
+            timing.until.reset();
+            timing.equilibration_steps = 0;
+            timing.production_steps = steps_of_timing;
+            double const per_step = run(timing).seconds / double(steps_of_timing);
+            // errors fall with the root of particles and time
+            Scene const& like = scene.shear_rate != 0.0 ? shear : rest;
+            double const size = double(like.particles) * double(like.production_steps) * like.time_step *
+                                known["seeds"].get<double>();
+            double needed = 0.0;
+            for (auto const& [name, wanted] : scene.until->errors)
+                if (known["quantities"].contains(name)) {
+                    Json const& quantity = known["quantities"][name];
+                    double const error = quantity["error"].get<double>() / quantity["value"].get<double>();
+                    needed = std::max(needed, size / double(scene.particles) * std::pow(error / wanted, 2));
+                }
+            auto end = double(scene.production_steps);
+            while (end * scene.time_step < needed && end < double(scene.until->longest)) end *= 2.0;
+            seconds += per_step * (double(scene.equilibration_steps) + end);
+        }
+    return seconds;
+}
+
+std::optional<std::string> measure(Answers& answers, std::string const& budget,
+                                   CampaignOptions const& options) {
     std::vector<Figure> figures{answers.figure};
-    if (!run_points(figures, options)) return;
+    if (!run_points(figures, options)) return {};
     answers.figure = std::move(figures.front());
     Json json{{"schema", "dpdref-answers/1"},
               {"program", fmt::format("dpdref {}", version)},
               {"engine_revision", engine_revision},
               {"budget", budget}};
     for (auto const& state : answers.states) json["states"].push_back(state_json(state, answers.figure));
+    return json.dump(1) + "\n";
+}
+
+std::string answer_tables(std::string const& answers) { return tables_of(Json::parse(answers)["states"]); }
+
+void measure_answers(Answers& answers, std::string const& budget, CampaignOptions const& options) {
+    auto const text = measure(answers, budget, options);
+    if (!text) return;
     std::filesystem::create_directories(options.output);
-    write_file(options.output / "answers.json", json.dump(1) + "\n");
-    write_file(options.output / "answers.csv", csv_of(json["states"]));
-    write_file(options.output / "answers.md", tables_of(json["states"]));
+    write_file(options.output / "answers.json", *text);
+    write_file(options.output / "answers.csv", csv_of(Json::parse(*text)["states"]));
+    write_file(options.output / "answers.md", answer_tables(*text));
 }
 
 }  // namespace dpd

@@ -2,8 +2,12 @@
 /// The commands that give and compare reference answers.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "answer.hpp"
 #include "commands.hpp"
@@ -12,34 +16,96 @@
 #include "errors.hpp"
 #include "exact_answers.hpp"
 #include "files.hpp"
+#include "measure_answer.hpp"
+#include "signals.hpp"
 #include "toml_reader.hpp"
 
 namespace dpd::cli {
+namespace {
+
+// A query of `dpdref answer`, and how it is measured.
+struct QueryChoice {
+    std::vector<std::string> query;
+    std::string file = data_path("figures/answers/answers.json"), code, within = "0.5%";
+    std::string cache = ".dpdref-cache", verification = data_path("verification");
+    unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+    bool measured = false;
+    CLI::Option *of = nullptr, *measure = nullptr;
+
+    void add_to(CLI::App& command) {
+        command.add_option("--answers", file, "file of the reference answers");
+        of = command.add_option(
+            "--of", code, "code whose parameters the query has, see dpdref convert; values in its units");
+        measure = command.add_flag("--measure", measured,
+                                   "run that fluid until errors are small; goes on where it was interrupted");
+        command
+            .add_option("--within", within,
+                        "relative error of viscosity and diffusion constant, of kT and pressure a fifth")
+            ->needs(measure);
+        command.add_option("--cache", cache, "directory of finished and unfinished runs")->needs(measure);
+        command.add_option("--jobs", jobs, "runs at a time")->check(CLI::Range(1u, 1024u))->needs(measure);
+        command.add_option("--verification", verification, "directory of the definitions")->needs(measure);
+    }
+
+    Code const* convention() const { return code.empty() ? nullptr : &find_code(code); }
+
+    // the file's text, or that of a file with the measured state point alone
+    std::string answers() const {
+        std::string known = read_file(file);
+        if (!measured) return known;
+        auto const error = relative_error(within);
+        if (!error)
+            throw InputError(
+                fmt::format("--within {}: is not allowed; allowed: above 0 and below 1 or 100%", within));
+        return measure_answer(std::filesystem::path(verification) / "answers", known, query, convention(),
+                              *error,
+                              {.cache = cache, .output = {}, .jobs = jobs, .stop = &stop_requested()});
+    }
+};
+
+// What `act` makes of the file of answers, which may be damaged.
+template <class Act>
+auto with_answers(QueryChoice const& choice, Act const& act) {
+    try {
+        return act(choice.answers(), choice.query, choice.convention());
+    } catch (nlohmann::json::exception const& error) {
+        throw InputError(
+            fmt::format("{}: {}; allowed: a file of `dpdref answers`", choice.file, error.what()));
+    }
+}
+
+// The state point that is asked for, in the units of the query.
+Reference reference_of(QueryChoice const& choice) {
+    return with_answers(choice, [&](auto const& known, auto const& query, Code const* code) {
+        auto const text = answer_file(known, query, code);
+        return answer_reference(text, choice.file, nlohmann::json::parse(text)["states"][0]["id"]);
+    });
+}
+
+}  // namespace
 
 Command answer(CLI::App& app) {
     struct Options {
-        std::vector<std::string> query;
-        std::string file = data_path("figures/answers/answers.json"), code;
+        QueryChoice choice;
         std::optional<std::string> scene;
         bool json = false;
     };
     auto const options = std::make_shared<Options>();
-    auto* const command = app.add_subcommand("answer", "reference values of the nearest state point");
-    command->add_option("query", options->query, "id of a state point, or key=value ...; nothing lists them");
-    command->add_option("--answers", options->file, "file of the reference answers");
-    command->add_option("--scene", options->scene, "print the scene of a run: rest, shear, below or above");
-    command
-        ->add_option("--of", options->code,
-                     "code whose parameters the query has, see dpdref convert; values in its units")
-        ->excludes("--scene");
+    auto& choice = options->choice;
+    auto* const command = app.add_subcommand("answer", "reference values of a state point");
+    command->add_option("query", choice.query, "id of a state point, or key=value ...; nothing lists them");
+    choice.add_to(*command);
+    command->add_option("--scene", options->scene, "print the scene of a run: rest, shear, below or above")
+        ->excludes(choice.of)
+        ->excludes(choice.measure);
     command->add_flag("--json", options->json, "print JSON");
     return {command, [options] {
-                auto const& [query, file, code, scene, json] = *options;
-                std::string const known = read_file(file);
-                fmt::print("{}", scene ? answer_scene(known, query, *scene)
-                                 : json
-                                     ? answer_json(known, query)
-                                     : answer_text(known, query, code.empty() ? nullptr : &find_code(code)));
+                auto const text = [&](auto const& known, auto const& query, Code const* code) {
+                    return options->scene  ? answer_scene(known, query, *options->scene)
+                           : options->json ? answer_json(known, query, code)
+                                           : answer_text(known, query, code);
+                };
+                fmt::print("{}", with_answers(options->choice, text));
                 return exit_done;
             }};
 }
@@ -73,7 +139,7 @@ Command exact(CLI::App& app) {
 Command compare(CLI::App& app) {
     struct Options {
         std::vector<std::string> files, renamings;
-        std::string answers = data_path("figures/answers/answers.json");
+        QueryChoice answer;
         std::optional<std::string> state_point, reference, discard;
         std::string table = "0";
         double resolution = 0.01;
@@ -82,12 +148,17 @@ Command compare(CLI::App& app) {
     auto const options = std::make_shared<Options>();
     auto* const command = app.add_subcommand("compare", "judge another code's output against a reference");
     command
-        ->add_option("files", options->files,
-                     "table, LAMMPS log, file of fix ave/time or ave/chunk, xvg, H5MD, result of dpdref run")
+        ->add_option(
+            "files", options->files,
+            "table, LAMMPS log, file of fix ave/time or ave/chunk, xvg, H5MD, result of dpdref run; and "
+            "key=value of a query")
         ->required();
     auto* const of_answer = command->add_option("--answer", options->state_point, "id of a reference answer");
-    command->add_option("--answers", options->answers, "file of the reference answers");
-    command->add_option("--reference", options->reference, "result of dpdref run --out")->excludes(of_answer);
+    options->answer.add_to(*command);
+    command->add_option("--reference", options->reference, "result of dpdref run --out")
+        ->excludes(of_answer)
+        ->excludes(options->answer.of)
+        ->excludes(options->answer.measure);
     command->add_option("--as", options->renamings, "COLUMN=quantity[*factor]")->allow_extra_args(false);
     command->add_option("--discard", options->discard,
                         "equilibration: a time or step of the file, or a share as 20%");
@@ -99,14 +170,23 @@ Command compare(CLI::App& app) {
         ->check(CLI::PositiveNumber);
     command->add_flag("--json", options->json, "print JSON");
     return {command, [options] {
-                if (!options->state_point && !options->reference)
-                    throw InputError("compare: no reference; allowed: --answer ID, --reference FILE.h5");
-                auto const against = options->state_point
-                                         ? answer_reference(options->answers, *options->state_point)
-                                         : run_reference(*options->reference);
+                auto const is_file = [](std::string const& word) {
+                    return word.find('=') == std::string::npos || std::filesystem::exists(word);
+                };
+                auto& files = options->files;
+                auto& query = options->answer.query;
+                std::ranges::copy_if(files, std::back_inserter(query), std::not_fn(is_file));
+                std::erase_if(files, std::not_fn(is_file));
+                if (options->state_point) query.push_back(*options->state_point);
+                if (query.empty() != options->reference.has_value())
+                    throw InputError(
+                        "compare: one reference is needed; allowed: --answer ID, key=value ..., --reference "
+                        "FILE.h5");
+                auto const against =
+                    options->reference ? run_reference(*options->reference) : reference_of(options->answer);
                 std::vector<CodeOutput> outputs;
                 std::size_t const table = table_from_text(options->table);
-                for (auto const& file : options->files) outputs.push_back(read_output(file, table));
+                for (auto const& file : files) outputs.push_back(read_output(file, table));
                 std::vector<Renaming> names;
                 for (auto const& text : options->renamings) names.push_back(renaming_from_text(text));
                 auto const averages = average(

@@ -51,6 +51,9 @@ std::vector<std::pair<std::string, std::string>> split(std::vector<std::string> 
 /// A seed, 0 to 2^64-1. InputError for anything else: CLI11 would wrap a negative or too large one silently.
 std::optional<std::uint64_t> read_seed(std::optional<std::string> const& text);
 
+/// "1%" or "0.01" as 0.01; nothing for what is no relative error above 0 and below 1.
+std::optional<double> relative_error(std::string number);
+
 /// A file or directory of this project, as in "verification/answers": in the clone that the program was
 /// started from, or else in the installed data.
 std::string data_path(std::string const& name);

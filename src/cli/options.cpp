@@ -27,6 +27,17 @@ std::optional<std::uint64_t> read_seed(std::optional<std::string> const& text) {
     return seed;
 }
 
+std::optional<double> relative_error(std::string number) {
+    bool const percent = number.ends_with('%');
+    if (percent) number.pop_back();
+    double error = 0.0;
+    auto const [end, problem] = std::from_chars(number.data(), number.data() + number.size(), error);
+    if (percent) error /= 100.0;
+    if (problem != std::errc{} || end != number.data() + number.size() || !(error > 0.0 && error < 1.0))
+        return {};
+    return error;
+}
+
 std::string data_path(std::string const& name) {
     std::filesystem::path directory = ".";
     if (!std::filesystem::is_directory("verification")) {

@@ -119,19 +119,12 @@ void print_text(Scene const& scene, RunResult const& result) {
 std::string until_setting(std::string const& wanted) {
     auto const equals = wanted.find('=');
     std::string const quantity = wanted.substr(0, equals);
-    std::string number = equals == std::string::npos ? "" : wanted.substr(equals + 1);
-    bool const percent = number.ends_with('%');
-    if (percent) number.pop_back();
-    double error = 0.0;
-    auto const [end, problem] = std::from_chars(number.data(), number.data() + number.size(), error);
-    if (percent) error /= 100.0;
-    bool const named = !quantity.empty() && quantity.find_first_of(". ") == std::string::npos;
-    if (!named || problem != std::errc{} || end != number.data() + number.size() ||
-        !(error > 0.0 && error < 1.0))
+    auto const error = relative_error(equals == std::string::npos ? "" : wanted.substr(equals + 1));
+    if (quantity.empty() || quantity.find_first_of(". ") != std::string::npos || !error)
         throw InputError(fmt::format(
             "--until {}: is not allowed; allowed: QUANTITY=ERROR, an error above 0 and below 1 or 100%",
             wanted));
-    return fmt::format("time.until.{}={}", quantity, error);
+    return fmt::format("time.until.{}={}", quantity, *error);
 }
 
 // A scene file with what the command line adds to it.

@@ -209,7 +209,7 @@ std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions 
                          return result.from_cache;
                      }});
             }
-    auto const results = do_once("figures", tasks, options);
+    auto const results = do_once(figures.size() == 1 ? figures.front().id : "figures", tasks, options);
     if (!results) return {};
     RunTime run_time;
     for (auto const& [key, result] : *results) {

@@ -76,11 +76,15 @@ void describe(Reference& reference, Scene const& scene) {
 }  // namespace
 
 Reference answer_reference(std::filesystem::path const& answers, std::string const& id) {
+    return answer_reference(read_file(answers), answers.string(), id);
+}
+
+Reference answer_reference(std::string const& answers, std::string const& file, std::string const& id) {
     try {
-        Json const json = Json::parse(read_file(answers));
+        Json const json = Json::parse(answers);
         if (json.at("schema") != "dpdref-answers/1")
-            throw InputError(fmt::format("{}: schema {}; allowed: dpdref-answers/1", answers.string(),
-                                         json.at("schema").dump()));
+            throw InputError(
+                fmt::format("{}: schema {}; allowed: dpdref-answers/1", file, json.at("schema").dump()));
         Words ids;
         for (auto const& state : json.at("states")) {
             ids.push_back(state.at("id"));
@@ -103,15 +107,18 @@ Reference answer_reference(std::filesystem::path const& answers, std::string con
                                  g.contains("blocks") ? g.at("blocks").at(bin) : Json(many_blocks)));
             }
             for (auto const& [which, text] : state.at("scenes").items()) {
-                Scene const scene = parse_scene(text, fmt::format("{}: {} {}", answers.string(), id, which));
+                Scene const scene = parse_scene(text, fmt::format("{}: {} {}", file, id, which));
                 if (which == "rest") describe(reference, scene);
-                if (which == "shear") reference.shear_rate = scene.shear_rate;
+                // in the units of the quantities, which need not be those of the scenes
+                if (which == "shear")
+                    reference.shear_rate =
+                        state.value("parameters", Json::object()).value("shear_rate", scene.shear_rate);
             }
             return reference;
         }
         throw InputError(fmt::format("--answer: {} is unknown; allowed: {}", id, fmt::join(ids, ", ")));
     } catch (Json::exception const& error) {
-        throw InputError(fmt::format("{}: {}", answers.string(), one_line(error.what())));
+        throw InputError(fmt::format("{}: {}", file, one_line(error.what())));
     }
 }
 

@@ -59,6 +59,9 @@ struct Reference {
 /// A state point of a file of reference answers (schema dpdref-answers/1).
 Reference answer_reference(std::filesystem::path const& answers, std::string const& id);
 
+/// The same from the text of such a file, which messages call `file`.
+Reference answer_reference(std::string const& answers, std::string const& file, std::string const& id);
+
 /// A result of `dpdref run --out`.
 Reference run_reference(std::filesystem::path const& file);
 

@@ -98,6 +98,10 @@ RULES = [
      r"(echo quantity,value,error,blocks; grep '^\3,' figures/answers/answers.csv | cut -d, -f2-5) > build/own.csv && "
      r"\1 build/own.csv \2",
      "needs another code's output; the answer's own numbers must agree"),
+    (r"(dpdref answer .* --measure)", r"\1 N=100 --within 5%", f"{LONG}; a small box and a large error"),
+    (r"(dpdref compare) \S+ (--of .* --measure)",
+     r"(echo quantity,value,error; echo kinetic_temperature,2.0,1.0) > build/own.csv && \1 build/own.csv \2 N=100 --within 5%",
+     f"{LONG}, and needs another code's output; a small box and a large error"),
     (r"dpdref run SCENE\.toml", "dpdref run verification/scenes/ideal_gas_rest.toml", "syntax"),
     (r"dpdref run SCENE( --engine plain)", r"dpdref run verification/scenes/ideal_gas_rest.toml\1 "
      "--set box.length=[5,5,5] --set time.duration=200", "syntax"),
