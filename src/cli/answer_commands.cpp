@@ -51,14 +51,14 @@ struct QueryChoice {
 
     // the file's text, or that of a file with the measured state point alone
     std::string answers() const {
-        std::string known = read_file(file);
+        std::string known = read_file(present(file, "--answers"));
         if (!measured) return known;
         auto const error = relative_error(within);
         if (!error)
             throw InputError(
                 fmt::format("--within {}: is not allowed; allowed: above 0 and below 1 or 100%", within));
-        return measure_answer(std::filesystem::path(verification) / "answers", known, query, convention(),
-                              *error,
+        return measure_answer(std::filesystem::path(present(verification, "--verification")) / "answers",
+                              known, query, convention(), *error,
                               {.cache = cache, .output = {}, .jobs = jobs, .stop = &stop_requested()});
     }
 };
@@ -122,18 +122,19 @@ Command exact(CLI::App& app) {
     command->add_option("--order", options->order,
                         "in which your code visits the pairs: 1-2,0-1,... with all six, or a file of them");
     command->add_option("--verification", options->verification, "directory of the definitions");
-    return {command, [options] {
-                auto const all = exact_answers(
-                    std::filesystem::path(options->verification) / "answers" / "exact.toml", Search::cell,
-                    options->order ? pair_order_from_text(*options->order, "order") : PairOrder{});
-                if (options->json)
-                    fmt::print("{}", exact_answers_text(all));
-                else
-                    for (auto const& one : all["cases"])
-                        fmt::print("{:<42} {}\n", one["id"].get<std::string>(),
-                                   one["source"].get<std::string>());
-                return exit_done;
-            }};
+    return {
+        command, [options] {
+            auto const all = exact_answers(
+                std::filesystem::path(present(options->verification, "--verification")) / "answers" /
+                    "exact.toml",
+                Search::cell, options->order ? pair_order_from_text(*options->order, "order") : PairOrder{});
+            if (options->json)
+                fmt::print("{}", exact_answers_text(all));
+            else
+                for (auto const& one : all["cases"])
+                    fmt::print("{:<42} {}\n", one["id"].get<std::string>(), one["source"].get<std::string>());
+            return exit_done;
+        }};
 }
 
 Command compare(CLI::App& app) {
@@ -148,12 +149,12 @@ Command compare(CLI::App& app) {
     auto const options = std::make_shared<Options>();
     auto* const command = app.add_subcommand("compare", "judge another code's output against a reference");
     command
-        ->add_option(
-            "files", options->files,
-            "table, LAMMPS log, file of fix ave/time or ave/chunk, xvg, H5MD, result of dpdref run; and "
-            "key=value of a query")
+        ->add_option("files", options->files,
+                     "table, LAMMPS log, file of fix ave/time or ave/chunk, xvg, H5MD, result of dpdref run")
         ->required();
-    auto* const of_answer = command->add_option("--answer", options->state_point, "id of a reference answer");
+    auto* const of_answer = command->add_option(
+        "--answer", options->state_point,
+        "id of a reference answer; or, beside the files, key=value of a query of dpdref answer");
     options->answer.add_to(*command);
     command->add_option("--reference", options->reference, "result of dpdref run --out")
         ->excludes(of_answer)

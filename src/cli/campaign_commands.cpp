@@ -44,6 +44,8 @@ struct CampaignChoice {
         command.add_option("--verification", verification, "directory of the definitions");
     }
 
+    std::filesystem::path definitions() const { return present(verification, "--verification"); }
+
     // where the campaign writes, and how it is run
     CampaignOptions options() const {
         std::filesystem::path directory = output;
@@ -153,14 +155,14 @@ Command figure(CLI::App& app) {
                 auto& [ids, changes, redraw, campaign] = *chosen;
                 if (!changes.empty() && campaign.output.empty()) campaign.output = "figures/changed";
                 auto const which =
-                    ids == std::vector<std::string>{"all"} ? figure_ids(campaign.verification) : ids;
+                    ids == std::vector<std::string>{"all"} ? figure_ids(campaign.definitions()) : ids;
                 if (which.empty())
                     throw InputError(fmt::format("{}: holds no figures", campaign.verification));
                 if (redraw)
-                    return redraw_figures(campaign.verification, which, campaign.budget, campaign.options())
+                    return redraw_figures(campaign.definitions(), which, campaign.budget, campaign.options())
                                ? exit_done
                                : exit_disagrees;
-                return make_figures(campaign.verification, which, campaign.budget, campaign.options(),
+                return make_figures(campaign.definitions(), which, campaign.budget, campaign.options(),
                                     changes)
                            ? exit_done
                            : exit_disagrees;
@@ -175,7 +177,7 @@ Command stability(CLI::App& app) {
     command->add_flag("--redraw", *redraw, "draw again what is on disk; runs nothing");
     campaign->add_to(*command);
     return {command, [campaign, redraw] {
-                auto const definition = std::filesystem::path(campaign->verification) / "stability";
+                auto const definition = campaign->definitions() / "stability";
                 auto maps = load_stability(definition / "stability.toml", campaign->budget);
                 auto const options = campaign->options();
                 if (*redraw)
@@ -195,8 +197,8 @@ Command work_precision(CLI::App& app) {
     chosen->campaign.add_to(*command);
     return {command, [chosen] {
                 auto const& campaign = chosen->campaign;
-                return make_studies(std::filesystem::path(campaign.verification) / "work-precision",
-                                    chosen->ids, campaign.budget, chosen->redraw, campaign.options())
+                return make_studies(campaign.definitions() / "work-precision", chosen->ids, campaign.budget,
+                                    chosen->redraw, campaign.options())
                            ? exit_done
                            : exit_disagrees;
             }};
@@ -208,8 +210,7 @@ Command answers(CLI::App& app) {
     auto* const command = app.add_subcommand("answers", "measure the reference answers");
     campaign->add_to(*command);
     return {command, [campaign] {
-                auto all =
-                    load_answers(std::filesystem::path(campaign->verification) / "answers", campaign->budget);
+                auto all = load_answers(campaign->definitions() / "answers", campaign->budget);
                 measure_answers(all, campaign->budget, campaign->options());
                 return exit_done;
             }};

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -55,7 +56,11 @@ std::optional<std::uint64_t> read_seed(std::optional<std::string> const& text);
 std::optional<double> relative_error(std::string number);
 
 /// A file or directory of this project, as in "verification/answers": in the clone that the program was
-/// started from, or else in the installed data.
+/// started from, in the installed data, above the program (whose build is in its clone), or in the source of
+/// its build. The place of the installed one if there is none.
 std::string data_path(std::string const& name);
+
+/// The path, which must be there; InputError names the option that says where else it is.
+std::string const& present(std::string const& path, std::string_view option);
 
 }  // namespace dpd::cli

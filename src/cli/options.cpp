@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <fstream>
+#include <system_error>
 
 #include "commands.hpp"
 #include "errors.hpp"
@@ -38,14 +40,40 @@ std::optional<double> relative_error(std::string number) {
     return error;
 }
 
+namespace {
+
+// The source of a build tree; empty elsewhere.
+std::filesystem::path source_of_build(std::filesystem::path const& tree) {
+    std::ifstream cache(tree / "CMakeCache.txt");
+    std::string const key = "CMAKE_HOME_DIRECTORY:INTERNAL=";
+    for (std::string line; std::getline(cache, line);)
+        if (line.starts_with(key)) return line.substr(key.size());
+    return {};
+}
+
+}  // namespace
+
 std::string data_path(std::string const& name) {
-    std::filesystem::path directory = ".";
-    if (!std::filesystem::is_directory("verification")) {
-        std::error_code ignored;
-        auto const program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-        directory = (program.parent_path() / DPDREF_DATA_DIR).lexically_normal();
-    }
-    return (directory / name).lexically_normal().string();
+    std::error_code ignored;
+    std::filesystem::path const program =
+        std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+    auto const installed = (program / DPDREF_DATA_DIR).lexically_normal();
+    std::vector<std::filesystem::path> places{"", installed};
+    for (auto above = program; above.has_relative_path(); above = above.parent_path())
+        places.push_back(above);
+    if (auto const source = source_of_build(program); !source.empty()) places.push_back(source);
+    // a build tree has a folder `verification`, too
+    for (auto const& place : places)
+        if (std::filesystem::exists(place / "verification" / "integrators.toml", ignored))
+            return (place / name).string();
+    return (installed / name).string();
+}
+
+std::string const& present(std::string const& path, std::string_view option) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+        throw InputError(fmt::format("{}: is not there; allowed: {} with another place", path, option));
+    return path;
 }
 
 }  // namespace dpd::cli

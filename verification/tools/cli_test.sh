@@ -295,6 +295,38 @@ expect 2 code.csv -- compare code.csv --reference code.csv
 expect 2 none.json -- compare code.csv --answer gas --answers none.json
 expect 2 "no column T" -- compare code.csv --reference a.h5 --as T=kinetic_temperature
 
+# --- answer ---------------------------------------------------------------------------------------------
+# the data are found from any directory, here from one that is not the clone; alone, the program says what is missing
+expect 0 -- answer gw-0.04
+grep -q '^gw-0.04: ' out || fail "answer from another directory: $(cat out)"
+mkdir alone && cp "$dpdref" alone/dpdref
+built=$dpdref dpdref=$work/alone/dpdref
+expect 2 answers.json "--answers" -- answer gw-0.04
+expect 2 "--verification" -- exact
+expect 2 "--verification" -- figure my1
+dpdref=$built
+expect 2 "--answers" -- answer gw-0.04 --answers nowhere.json
+expect 2 "n is 3, not 3.1" "--measure" -- answer n=3.1 a=25 gamma=4.5 dt=0.04
+expect 2 "above 0 and below 1" -- answer gw-0.04 --measure --within 0%
+expect 2 --measure -- answer gw-0.04 --within 1%
+expect 3 "diverged at step" -- answer n=3 a=1e7 gamma=4.5 dt=0.04 N=100 --measure
+fluid="n=3 a=25 gamma=4.5 dt=0.04 N=100 --within 5% --measure"
+# shellcheck disable=SC2086
+expect 0 -- answer $fluid --json
+check "answer --measure --json is no JSON" is_json out
+cp out measured.json
+grep -q 'runs, about .* of one core' err || fail "answer --measure: no price: $(cat err)"
+# shellcheck disable=SC2086
+expect 0 -- answer $fluid --json
+cmp -s out measured.json && [ ! -s err ] || fail "answer --measure again: other numbers, or a price: $(cat err)"
+# kT of 8 where 1 is right; the state point that is there is another one
+printf 'quantity,value,error\nkinetic_temperature,8.0,0.1\n' >hot.csv
+# shellcheck disable=SC2086
+call compare hot.csv $fluid
+[ "$code" -eq 1 ] && grep -q '^kinetic_temperature .* disagrees' out || fail "compare --measure: exit code $code: $(cat out err)"
+expect 2 "N is 3000, not 100" -- compare hot.csv n=3 a=25 gamma=4.5 dt=0.04 N=100
+expect 2 "one reference" -- compare hot.csv n=3 --reference a.h5
+
 # --- report ---------------------------------------------------------------------------------------------
 expect 2 figures "dpdref figure" -- report
 expect 2 nothing -- report --figures nothing

@@ -13,6 +13,12 @@ fail() {
 }
 
 cmake --install "$build" --prefix "$scratch/prefix" >"$scratch/log" || fail "cmake --install: $(tail -5 "$scratch/log")"
+# the installed program finds its data, from any directory and moved
+cp -R "$scratch/prefix" "$scratch/moved"
+for place in prefix moved; do
+    (cd / && "$scratch/$place/bin/dpdref" answer gw-0.04 && "$scratch/$place/bin/dpdref" exact) >"$scratch/log" 2>&1 ||
+        fail "installed in $place: $(tail -5 "$scratch/log")"
+done
 sanitized=$(grep -q '^DPDREF_SANITIZE:BOOL=ON' "$build/CMakeCache.txt" && echo -fsanitize=address,undefined || :)
 example() {
     folder=$scratch/$1

@@ -494,7 +494,7 @@ double quantity(std::string const& file, char const* name) {
 
 // n = 3, a = 20, friction 6 and step 0.05, where cutoff, mass and kT are 1; fifty particles
 std::vector<std::string> const small_fluid{"n=3",  "a=20",          "gamma=6",      "dt=0.05",
-                                           "N=50", "weight=linear", "integrator=S1"};
+                                           "N=50", "weight=quadratic", "integrator=S1"};
 
 }  // namespace
 
@@ -504,7 +504,7 @@ BOOST_AUTO_TEST_CASE(a_fluid_is_measured_as_by_hand) {
     std::string const first = measuring.measured(small_fluid);
     Json const state = Json::parse(first)["states"][0];
     BOOST_TEST(state["parameters"]["N"].get<int>() == 50);
-    BOOST_TEST(state["parameters"]["weight"].get<std::string>() == "linear");
+    BOOST_TEST(state["parameters"]["weight"].get<std::string>() == "quadratic");
     BOOST_TEST(state["parameters"]["gamma"].get<double>() == 6.0);
     BOOST_TEST(state["parameters"]["a"].get<double>() == 20.0);
     BOOST_TEST(state["parameters"]["dt"].get<double>() == 0.05);
