@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "analysis.hpp"
 #include "commands.hpp"
+#include "files.hpp"
 #include "lammps.hpp"
 #include "progress.hpp"
 #include "run.hpp"
@@ -127,6 +129,39 @@ std::string until_setting(std::string const& wanted) {
     return fmt::format("time.until.{}={}", quantity, *error);
 }
 
+// --csv FILE: refused before the run where nothing could be written.
+void check_csv(Scene const& scene, std::string const& file) {
+    auto const& sample = scene.sample;
+    if (!sample.profile && !sample.radial_distribution && !sample.mean_square_displacement &&
+        !sample.velocity_autocorrelation)
+        throw InputError(
+            "--csv: the scene measures no curve; allowed: with sample.radial_distribution, profile, "
+            "mean_square_displacement or velocity_autocorrelation");
+    auto const folder = std::filesystem::absolute(file).parent_path();
+    if (file != "-" && !std::filesystem::is_directory(folder))
+        throw InputError(fmt::format("--csv {}: {} is no directory", file, folder.string()));
+}
+
+// The curves of a run, a line for each point.
+std::string curves_csv(Scene const& scene, Record const& record) {
+    std::vector<std::string> names;
+    for (auto const& [name, curve] : record.curves) {
+        if (name == "velocity_squared_profile")
+            names.emplace_back("temperature_profile");
+        else
+            names.push_back(name);
+        if (name == "velocity_profile" && scene.stage<BodyForce>()) names.emplace_back("channel_profile");
+    }
+    std::string text = "curve,x,value,error,blocks\n";
+    for (auto const& name : names) {
+        auto const [x, y] = curve_of(scene, {record}, name);
+        for (std::size_t k = 0; k < x.size(); ++k)
+            if (y[k].blocks > 0)
+                text += fmt::format("{},{},{},{},{}\n", name, x[k], y[k].value, y[k].error, y[k].blocks);
+    }
+    return text;
+}
+
 // A scene file with what the command line adds to it.
 struct SceneOptions {
     std::string file;
@@ -161,7 +196,7 @@ struct SceneOptions {
 Command run(CLI::App& app) {
     struct Options {
         SceneOptions scene;
-        std::optional<std::string> out;
+        std::optional<std::string> out, csv;
         std::string engine = "fast";
         bool json = false;
     };
@@ -173,9 +208,12 @@ Command run(CLI::App& app) {
     command->add_option("--engine", options->engine, "fast, or plain: the papers as code, src/plain")
         ->check(CLI::IsMember(std::vector<std::string>(names<Engine>.begin(), names<Engine>.end())));
     command->add_flag("--json", options->json, "print JSON");
+    command->add_option("--csv", options->csv,
+                        "file of the curves as text: curve,x,value,error,blocks; -: print them alone");
     return {command, [options] {
                 Scene scene = options->scene.load();
                 scene.use(*value_of<Engine>(options->engine));
+                if (options->csv) check_csv(scene, *options->csv);
                 if (scene.engine == Engine::plain) announce_plain(scene);
                 RunOptions how;
                 if (options->out) how.output = *options->out;
@@ -188,7 +226,11 @@ Command run(CLI::App& app) {
                     result = dpd::run(scene, how);
                 }
                 warn(scene, result);
-                if (options->json)
+                std::string const curves = options->csv ? curves_csv(scene, result.record) : "";
+                if (options->csv && *options->csv != "-") write_file(*options->csv, curves);
+                if (options->csv == "-")
+                    fmt::print("{}", curves);
+                else if (options->json)
                     print_json(scene, result);
                 else
                     print_text(scene, result);

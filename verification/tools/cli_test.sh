@@ -273,6 +273,23 @@ expect 0 -- "${long[@]}" --out KILL.h5
 [ "$(numbers out)" = "$(numbers whole.json)" ] || fail "SIGKILL: the resumed run differs"
 no_remains SIGKILL
 
+# --- curves as text -------------------------------------------------------------------------------------
+expect 0 -- run scene.toml --csv -
+[ "$(head -n 1 out)" = curve,x,value,error,blocks ] || fail "run --csv -: begins with $(head -n 1 out)"
+[ "$(grep -cE '^velocity_autocorrelation,[0-9.]+,[-0-9.e]+,[0-9.e-]+,[0-9]+$' out)" -eq 11 ] || fail "run --csv -: not lags 0 to 10: $(cat out)"
+# at lag 0 kT/m, of 72 particles at some 100 instants
+awk -F, '$1 == "velocity_autocorrelation" && $2 == 0 { exit !(($3 - 1) ^ 2 < 0.01) }' out || fail "run --csv -: $(cat out)"
+mv out printed.csv
+expect 0 -- run scene.toml --csv curves.csv
+cmp -s curves.csv printed.csv && grep -q '^kinetic' <(tr -d ' ' <out) || fail "run --csv FILE: other curves, or no table: $(cat out)"
+expect 0 -- run scene.toml --set 'sample.profile.bins=4' --set sample.profile.temperature=true --csv -
+for curve in density_profile velocity_profile temperature_profile; do
+    [ "$(grep -c "^$curve," out)" -eq 4 ] || fail "run --csv -: $curve: $(cat out)"
+done
+expect 2 "--csv nowhere/c.csv" -- run scene.toml --csv nowhere/c.csv
+grep -v velocity_autocorrelation scene.toml | grep -v longest >curveless.toml
+expect 2 "measures no curve" -- run curveless.toml --csv -
+
 # --- compare --------------------------------------------------------------------------------------------
 printf 'quantity,value,error,blocks\nkinetic_temperature,1.0,0.05,20\ncolour,1,0.1,8\n' >code.csv
 expect 0 -- compare code.csv --reference a.h5 --resolution 1
