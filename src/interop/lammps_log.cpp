@@ -115,7 +115,7 @@ Said read_commands(CodeOutput const& output, int d) {
         for (std::string_view const thermostat : {"nvt", "npt", "nph", "langevin", "temp/"})
             if (fix.starts_with(thermostat))
                 said.others.push_back(fmt::format("fix {} (reference: no such thermostat)", fix));
-    if (style.empty()) return said;
+    if (style.size() < 2) return said;
     // of hybrid styles the one of DPD, with what follows it
     auto const named = std::find_if(style.begin() + 1, style.end(),
                                     [](auto const& word) { return word.starts_with("dpd"); });

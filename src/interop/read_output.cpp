@@ -248,17 +248,20 @@ struct Printed {
     std::regex line;
 };
 
+// The longest line that is held against a pattern: the library's search goes deeper with each character.
+constexpr std::size_t longest_line = 2000;
+
 std::optional<Printed> printed_by(std::string const& command) {
     static std::regex const is_print(R"(fix\s+\S+\s+\S+\s+print\s+\S+\s+(["']+)(.*?)\1.*)"),
         variable(R"(\$\{([^}]*)\}|\$\(([^)]*)\)|\$(\w))"), special(R"([.^$|()\[\]{}*+?\\])");
     std::smatch found;
-    if (!std::regex_match(command, found, is_print)) return {};
+    if (command.size() > longest_line || !std::regex_match(command, found, is_print)) return {};
     std::string const text = found[2];
     Printed printed;
     std::string pattern;
     auto from = text.cbegin();
     for (std::sregex_iterator it(text.begin(), text.end(), variable), end; it != end; ++it) {
-        pattern += std::regex_replace(std::string(from, (*it)[0].first), special, R"(\$&)") + R"((\S+))";
+        pattern += std::regex_replace(std::string(from, (*it)[0].first), special, R"(\$&)") + R"(([-+.\w]+))";
         from = (*it)[0].second;
         std::string const name = (*it)[1].str() + (*it)[2].str() + (*it)[3].str();
         printed.names.push_back(name.substr(0, name.find(":%")));
@@ -382,6 +385,7 @@ private:
 
     bool is_printed(std::string const& line) {
         std::smatch found;
+        if (line.size() > longest_line) return false;
         for (std::size_t k = 0; k < tables_.back().printed.size(); ++k)
             if (std::regex_match(line, found, formats_[k].line)) {
                 tables_.back().printed[k].add(text_, line_, Words(found.begin() + 1, found.end()));
@@ -401,7 +405,8 @@ private:
             if (words[0] == "fix")
                 if (auto format = printed_by(line)) formats_.push_back(std::move(*format));
             output_.commands.push_back(std::move(words));
-        } else if (line.find("box = (") != std::string::npos && std::regex_match(line, found, box)) {
+        } else if (line.size() <= longest_line && line.find("box = (") != std::string::npos &&
+                   std::regex_match(line, found, box)) {
             box_.clear();
             for (std::size_t axis = 1; axis <= 3; ++axis)
                 box_.push_back(to_number(found[axis + 3].str()).value_or(0.0) -
