@@ -418,9 +418,10 @@ private:
 
     CodeOutput choose(std::size_t run) {
         if (tables_.empty() || (run > tables_.size() && run != all_runs))
-            throw InputError(fmt::format(
-                "{}: --run {}: allowed: 1 to {}, the thermo tables of the log{}", text_.file, run,
-                tables_.size(), tables_.empty() ? " (of several partitions each has its own log)" : ""));
+            throw InputError(
+                fmt::format("{}: --run {}: allowed: 1 to {}, the thermo tables of the log{}", text_.file,
+                            run == all_runs ? "all" : fmt::format("{}", run), tables_.size(),
+                            tables_.empty() ? " (of several partitions each has its own log)" : ""));
         RunTable table = run == 0 || run == all_runs ? tables_.back() : tables_[run - 1];
         if (run == all_runs) join(table);
         if (tables_.size() > 1 && run == 0)
