@@ -73,6 +73,7 @@ RULES = [
      f"{LONG}; its shortest scene"),
     (r"(python3 verification/tools/race\.py) .*", r"\1 --help", f"{LONG}, and needs LAMMPS"),
     (r"(python3 verification/calibration/calibrate\.py) .*", r"\1 --help", LONG),
+    (r"(python3 verification/symptoms/symptoms\.py) .*", r"\1 --help", f"{LONG}, and two rows of it a test, symptoms"),
     (r"(python3 verification/bits/bits\.py) .*", r"\1 --help", "a test of its own, bits; needs qemu-user with --under"),
     (r"(python3 verification/orders/orders\.py) .*", r"\1 --help", LONG),
     (r"(python3 verification/tools/record\.py) .*", r"\1 --help", f"{LONG}, and needs the benchmark"),
