@@ -11,6 +11,7 @@
 
 #include "errors.hpp"
 #include "names.hpp"
+#include "stages.hpp"
 
 namespace dpd {
 namespace {
@@ -98,8 +99,16 @@ Query foreign_query(Code const& code, std::vector<std::string> const& words) {
     TheoryArguments weight;
     set_weight_arguments(weight, fluid.weight);
     query.asked.insert(query.asked.end(), weight.begin(), weight.end());
-    query.asked.emplace_back("integrator",
-                             value_in(own, "integrator", std::string(integrator_of(code.mover))));
+    std::string integrator = value_in(own, "integrator", std::string(integrator_of(code.mover)));
+    if (code.mover == Mover::velocity_verlet && fluid.lambda != DpdFluid{}.lambda &&
+        value_in(own, "integrator", "").empty()) {
+        constexpr double measured = 0.65;
+        if (fluid.lambda != measured)
+            throw InputError(fmt::format("answer: {}: lambda={}: not allowed; allowed: {}, {}", code.name,
+                                         fluid.lambda, DpdFluid{}.lambda, measured));
+        integrator = "GW 0.65";
+    }
+    query.asked.emplace_back("integrator", integrator);
     return query;
 }
 

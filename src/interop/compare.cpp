@@ -109,11 +109,17 @@ Reference answer_reference(std::string const& answers, std::string const& file, 
             for (auto const& [which, text] : state.at("scenes").items()) {
                 Scene const scene = parse_scene(text, fmt::format("{}: {} {}", file, id, which));
                 if (which == "rest") describe(reference, scene);
-                // in the units of the quantities, which need not be those of the scenes
-                if (which == "shear")
-                    reference.shear_rate =
-                        state.value("parameters", Json::object()).value("shear_rate", scene.shear_rate);
+                if (which == "shear") reference.shear_rate = scene.shear_rate;
             }
+            // in the units of the quantities, which need not be those of the scenes
+            Json const parameters = state.value("parameters", Json::object());
+            reference.shear_rate = parameters.value("shear_rate", reference.shear_rate);
+            for (auto const& [fact, parameter] :
+                 {std::pair{"kT", "kT"}, std::pair{"mass", "m"}, std::pair{"cutoff", "rc"},
+                  std::pair{"a", "a"}, std::pair{"gamma", "gamma"}, std::pair{"timestep", "dt"},
+                  std::pair{"density", "n"}})
+                if (reference.facts.contains(fact))
+                    reference.facts[fact] = parameters.value(parameter, reference.facts[fact]);
             return reference;
         }
         throw InputError(fmt::format("--answer: {} is unknown; allowed: {}", id, fmt::join(ids, ", ")));

@@ -324,6 +324,9 @@ expect 2 "--verification" -- figure my1
 dpdref=$built
 expect 2 "--answers" -- answer gw-0.04 --answers nowhere.json
 expect 2 "n is 3, not 3.1" "--measure" -- answer n=3.1 a=25 gamma=4.5 dt=0.04
+expect 0 -- answer --of molly n=3 dt=0.04
+grep -q 'molly: .* λ=0.65$' out || fail "answer --of molly: another integrator: $(cat out)"
+expect 2 "lambda=0.6" -- answer --of molly n=3 dt=0.04 λ=0.6
 expect 2 "above 0 and below 1" -- answer gw-0.04 --measure --within 0%
 expect 2 --measure -- answer gw-0.04 --within 1%
 expect 3 "diverged at step" -- answer n=3 a=1e7 gamma=4.5 dt=0.04 N=100 --measure
