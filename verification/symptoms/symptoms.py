@@ -4,22 +4,22 @@
 usage: symptoms.py --build BUILD [--only ID...] [--check] [--jobs N]
 
 Compiles all mistakes into one program, build target `mistaken`, each behind a number, runs fluid.toml at rest and in
-shear for each, and writes figures/symptoms/symptoms.md. Runs are deterministic: --check runs those named by --only
-(default: two) and compares with the table that is there. Ten minutes of one core. Python's standard library only.
+shear for each, and writes figures/symptoms/symptoms.csv and .md. Runs are deterministic: --check runs those named by
+--only (default: two) and compares with the values that are there. Ten minutes of one core. Python's standard library only.
 """
 import argparse
 import concurrent.futures
 import math
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tomllib
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-TABLE = ROOT / "figures" / "symptoms" / "symptoms.md"
+VALUES = ROOT / "figures" / "symptoms" / "symptoms.csv"
+TABLE = VALUES.with_suffix(".md")
 SHEAR = ["box.shear_rate=0.3"]
 CHECKED = ("uniform-3", "no-noise")
 COLUMNS = {"kinetic_temperature": "kT", "pressure": "pressure", "potential_energy": "energy", "diffusion_constant": "D",
@@ -63,22 +63,42 @@ def measured(program, number, overrides):
     return {name: (float(value), float(error)) for name, value, error, _ in map(str.split, run.stdout.splitlines())}
 
 
-def cell(found, name, right):
-    """value(error in the last digit), and the factor to the right run where it is clear of its error"""
-    if found is None:
-        return "diverges"
-    if name not in found:
-        return ""
-    value, error = found[name]
-    if not error > 0.0:  # of the largest momentum
-        return f"{value:.2g}"
+def rounded(value, error):
+    """as text, with two digits of the error; what states none (the momentum's largest value) with two of its own"""
+    if not error > 0.0:
+        return f"{value:.2g}", ""
     digits = max(0, 1 - math.floor(math.log10(error)))
-    text = f"{value:.{digits}f} ± {error:.{digits}f}"
-    if right and name in right:
-        true, of_true = right[name]
-        if abs(value - true) > 4.0 * math.hypot(error, of_true):
-            text += f" (× {value / true:.3g})"
-    return text
+    return f"{value:.{digits}f}", f"{error:.{digits}f}"
+
+
+def ratio(value, error, right, of_right):
+    """value over right, with the error's digits in brackets"""
+    factor = value / right
+    error = abs(factor) * math.hypot(error / value, of_right / right)
+    power = math.floor(math.log10(abs(factor))) if abs(factor) < 0.01 or error > 100.0 else 0
+    factor, error = factor / 10.0 ** power, error / 10.0 ** power
+    digits = max(0, -math.floor(math.log10(error)))
+    return f"{factor:.{digits}f}({error * 10 ** digits:.0f})" + (f"e{power}" if power else "")
+
+
+def table(values, mistakes):
+    """values: {(id, quantity): (value, error) as text}, or nothing of a run that diverged; rows for the book"""
+    rows = ["| mistake | " + " | ".join(COLUMNS.values()) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+    for mistake in mistakes:
+        cells = []
+        for name in COLUMNS:
+            value, error = values.get((mistake["id"], name), ("diverges", ""))
+            if name == "largest_momentum" and value != "diverges":
+                value = "0" if float(value) < 1e-9 else value
+            elif error:
+                right = values["none", name]
+                if mistake["id"] == "none":
+                    value = f"{value} ± {error}"
+                else:
+                    value = "same" if (value, error) == right else ratio(*map(float, (value, error, *right)))
+            cells.append(value)
+        rows.append("| " + " | ".join([mistake["title"], *cells]) + " |")
+    return rows
 
 
 def main():
@@ -102,28 +122,22 @@ def main():
         runs = list(pool.map(lambda job: measured(program, *job),
                              [(number, one.get("set", []) + extra) for number, one in wanted
                               for extra in ([], SHEAR + (["time.duration=800.0"] if one.get("sharp") else []))]))
-    names = list(COLUMNS)
-    rows, right = [], None
-    for k, (number, one) in enumerate(wanted):
+    values = {}
+    for k, (_, mistake) in enumerate(wanted):
         rest, shear = runs[2 * k], runs[2 * k + 1]
-        found = None if rest is None else dict(rest)
-        if shear is not None:
-            found = {**(found or {}), "sheared": shear["kinetic_temperature"], "viscosity": shear["viscosity"]}
-        right = found if number == 0 else right
-        cells = [cell(None if (shear is None if name in ("sheared", "viscosity") else rest is None) else found, name, right if number else None)
-                 for name in names]
-        rows.append("| " + " | ".join([one["title"], *cells]) + " |")
-    head = ["| mistake | " + " | ".join(COLUMNS[name] for name in names) + " |", "|---" * (len(names) + 1) + "|"]
+        found = {**(rest or {}), **({"sheared": shear["kinetic_temperature"], "viscosity": shear["viscosity"]} if shear else {})}
+        values |= {(mistake["id"], name): rounded(*found[name]) for name in COLUMNS if name in found}
+    lines = [",".join([*key, *value]) for key, value in values.items()]
     if options.check:
-        there = re.sub(r" \(× [^)]*\)", "", TABLE.read_text()).splitlines()  # the right run is not among these
-        missing = [row for row in rows if row not in there]
-        print("\n".join(f"symptoms: not in {TABLE.name}: {row}" for row in missing) or f"symptoms: {len(rows)} rows are those of the table")
+        missing = sorted(set(lines) - set(VALUES.read_text().splitlines()))
+        print("\n".join(f"symptoms: not in {VALUES.name}: {line}" for line in missing) or f"symptoms: {len(lines)} values are those of {VALUES.name}")
         return 1 if missing else 0
     if options.only:
-        print("\n".join(head + rows))
+        print("\n".join(lines))
         return 0
-    TABLE.parent.mkdir(exist_ok=True)
-    TABLE.write_text("\n".join(["<!-- as written by verification/symptoms/symptoms.py -->", *head, *rows]) + "\n", encoding="utf-8")
+    VALUES.parent.mkdir(exist_ok=True)
+    VALUES.write_text("\n".join(["mistake,quantity,value,error", *lines]) + "\n", encoding="utf-8")
+    TABLE.write_text("\n".join(["<!-- as written by verification/symptoms/symptoms.py -->", *table(values, mistakes)]) + "\n", encoding="utf-8")
     return 0
 
 
