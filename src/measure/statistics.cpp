@@ -118,7 +118,8 @@ Estimate of_slow_mode(Estimate const& of_blocks, std::size_t runs, double x) {
     x = std::max(x, 1e-4);
     double const decay = one_minus_exponential(x) / x;
     auto const covariance = [&](std::size_t apart) {
-        return apart == 0 ? 2.0 * (1.0 - decay) / x : decay * decay * exponential(-x * double(apart - 1));
+        return apart == 0 ? 2.0 * (1.0 - decay) / x
+                          : decay * decay * exponential(-std::min(x * double(apart - 1), 600.0));
     };
     // of all blocks, with P the projection on deviations from their mean: 1^T C 1, trace C, trace C^2, 1^T
     // C^2 1

@@ -75,7 +75,7 @@ Estimate of_profile(Scene const& scene, std::vector<Record> const& records, doub
         samples += sum_of(profile->weight.rowwise().sum()) / double(scene.particles);
         blocks += double((profile->weight.colwise().sum() > 0.0).count());
     }
-    if (!(viscosity > 0.0) || blocks == 0.0) return of_blocks;
+    if (!scene.sample.profile || !(viscosity > 0.0) || blocks == 0.0) return of_blocks;
     double const block = samples / blocks * double(scene.sample.profile->interval) * scene.time_step;
     double const lifetime =
         scene.density() * scene.mass * width * width / (std::numbers::pi * std::numbers::pi * viscosity);

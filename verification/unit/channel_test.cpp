@@ -94,6 +94,9 @@ bool measures(std::vector<Quantity> const& quantities, std::string const& name) 
     return find_quantity(quantities, name) != nullptr;
 }
 
+/// Of so many samples, against which every mode of the flow is short: blocks of time are independent.
+constexpr double long_run = 0x1p80;
+
 /// A profile with value(y, block) in each bin; the weight of a bin must not matter.
 template <class F>
 Curve profile(Scene const& scene, std::size_t bins, F&& value) {
@@ -104,7 +107,7 @@ Curve profile(Scene const& scene, std::size_t bins, F&& value) {
         curve.x[b] = (double(b) + 0.5) * spacing;
         auto const bin = static_cast<Eigen::Index>(b);
         for (Eigen::Index block = 0; block < curve_blocks; ++block) {
-            curve.weight(bin, block) = 3.0 + double(b % 4) + double(block);
+            curve.weight(bin, block) = long_run * (3.0 + double(b % 4) + double(block));
             curve.sum(bin, block) = curve.weight(bin, block) * value(curve.x[b], block);
         }
     }
