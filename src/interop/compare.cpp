@@ -114,12 +114,8 @@ Reference answer_reference(std::string const& answers, std::string const& file, 
             // in the units of the quantities, which need not be those of the scenes
             Json const parameters = state.value("parameters", Json::object());
             reference.shear_rate = parameters.value("shear_rate", reference.shear_rate);
-            for (auto const& [fact, parameter] :
-                 {std::pair{"kT", "kT"}, std::pair{"mass", "m"}, std::pair{"cutoff", "rc"},
-                  std::pair{"a", "a"}, std::pair{"gamma", "gamma"}, std::pair{"timestep", "dt"},
-                  std::pair{"density", "n"}})
-                if (reference.facts.contains(fact))
-                    reference.facts[fact] = parameters.value(parameter, reference.facts[fact]);
+            for (auto& [fact, value] : reference.facts)
+                value = parameters.value(std::string(parameter_of(fact)), value);
             return reference;
         }
         throw InputError(fmt::format("--answer: {} is unknown; allowed: {}", id, fmt::join(ids, ", ")));

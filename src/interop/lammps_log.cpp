@@ -12,6 +12,7 @@
 #include "conventions.hpp"
 #include "errors.hpp"
 #include "scene.hpp"
+#include "state_point.hpp"
 
 namespace dpd {
 namespace {
@@ -57,23 +58,6 @@ std::string plain_style(std::string name) {
     return name;
 }
 
-// The units of mass, length and energy, one system's in the other's; a time comes with them.
-struct Scale {
-    double energy = 1.0, length = 1.0, mass = 1.0, mvv_to_energy = 1.0;
-    double time() const { return length * std::sqrt(mass * mvv_to_energy / energy); }
-    // of a fact
-    double unit(std::string_view fact, int d) const {
-        if (fact == "kT") return energy;
-        if (fact == "mass") return mass;
-        if (fact == "cutoff") return length;
-        if (fact == "a") return energy / length;
-        if (fact == "gamma") return energy * time() / (length * length);
-        if (fact == "timestep") return time();
-        if (fact == "density") return std::pow(length, -d);
-        return 1.0;
-    }
-};
-
 // What a log says; the names are those of the reference's facts.
 struct Said {
     Facts facts;
@@ -105,7 +89,8 @@ Said read_commands(CodeOutput const& output, int d) {
     auto const units = std::find_if(unit_styles.begin(), unit_styles.end(),
                                     [&](auto const& u) { return u.name == said.unit_name; });
     said.units = units == unit_styles.end() ? nullptr : &*units;
-    if (mass) said.facts["mass"] = *mass;
+    // in units of energy/velocity^2, from which those of time follow
+    if (mass) said.facts["mass"] = *mass * (said.units ? said.units->mvv_to_energy : 1.0);
     if (time_step.size() > 1 && to_number(time_step[1])) said.facts["timestep"] = *to_number(time_step[1]);
     if (time_step.empty() && !style.empty() && said.units) said.facts["timestep"] = said.units->time_step;
     double volume = output.box.empty() ? 0.0 : 1.0;
@@ -162,12 +147,13 @@ Said read_commands(CodeOutput const& output, int d) {
     return said;
 }
 
-std::vector<std::string> differing(Facts const& facts, Scale const& scale, Reference const& reference) {
+std::vector<std::string> differing(Facts const& facts, Units const& units, Reference const& reference) {
     std::vector<std::string> differences;
     for (auto const& [name, value] : facts) {
         auto const known = reference.facts.find(name);
         if (known == reference.facts.end()) continue;
-        double const own = value / scale.unit(name, reference.dimension), its = known->second;
+        double const own = value / parameter_unit(parameter_of(name), units, reference.dimension),
+                     its = known->second;
         // a density is a count over a volume that is printed with few digits
         if (std::abs(own - its) > 1e-3 * std::max(std::abs(own), std::abs(its)))
             differences.push_back(fmt::format("{} {:.6g} (reference: {:.6g})", name, own, its));
@@ -176,6 +162,14 @@ std::vector<std::string> differing(Facts const& facts, Scale const& scale, Refer
 }
 
 }  // namespace
+
+std::string_view parameter_of(std::string_view fact) {
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> others{
+        {{"mass", "m"}, {"cutoff", "rc"}, {"timestep", "dt"}, {"density", "n"}}};
+    for (auto const& [name, parameter] : others)
+        if (name == fact) return parameter;
+    return fact;
+}
 
 void describe_fluid(Reference& reference, Scene const& scene) {
     auto& facts = reference.facts;
@@ -217,10 +211,10 @@ LogCheck check_log(CodeOutput const& output, Reference const& reference) {
     auto const ratio = [&](char const* name) { return said.facts.at(name) / reference.facts.at(name); };
     Facts facts = said.facts;
     // what the reference's units are in the log's, if both fluids are the same
-    Scale scale;
+    Units scale;
     bool const scaled = said.units && has("kT") && has("cutoff");
     if (scaled)
-        scale = {ratio("kT"), ratio("cutoff"), has("mass") ? ratio("mass") : 1.0, said.units->mvv_to_energy};
+        scale = {.length = ratio("cutoff"), .mass = has("mass") ? ratio("mass") : 1.0, .energy = ratio("kT")};
     if (said.unit_name == "lj") {
         auto const as_they_are = differing(facts, {}, reference);
         bool const other_units =

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compare.hpp"
@@ -18,6 +19,9 @@ struct LogCheck {
     double energy = 1.0;                   ///< energy
     double pressure = 1.0;                 ///< energy/length^d
 };
+
+/// What a fact of a fluid is called among the parameters of a state point (docs/answers.md).
+std::string_view parameter_of(std::string_view fact);
 
 /// The facts of a scene's fluid, by name, in its units: kT, mass, cutoff, a (force at contact), gamma,
 /// timestep, density, and the exponent of w_D; and what its step is called.
