@@ -178,7 +178,7 @@ std::string parameters_of(Code const& code, Units const& units, Json const& scal
     fluid.gamma = scaled["gamma"].get<double>();
     fluid.a = scaled["a"].get<double>();
     fluid.dt = scaled["dt"].get<double>();
-    if (scaled["integrator"] == "GW 0.65") fluid.lambda = 0.65;
+    fluid.lambda = lambda_of(scaled["integrator"].get<std::string>());
     fluid.rc = units.length, fluid.m = units.mass, fluid.kT = units.energy;
     fluid.weight = scaled.contains("exponent")
                        ? power_weight(scaled["exponent"].get<double>())

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "errors.hpp"
 #include "names.hpp"
+#include "number.hpp"
 #include "stages.hpp"
 
 namespace dpd {
@@ -99,15 +99,11 @@ Query foreign_query(Code const& code, std::vector<std::string> const& words) {
     TheoryArguments weight;
     set_weight_arguments(weight, fluid.weight);
     query.asked.insert(query.asked.end(), weight.begin(), weight.end());
-    std::string integrator = value_in(own, "integrator", std::string(integrator_of(code.mover)));
-    if (code.mover == Mover::velocity_verlet && fluid.lambda != DpdFluid{}.lambda &&
-        value_in(own, "integrator", "").empty()) {
-        constexpr double measured = 0.65;
-        if (fluid.lambda != measured)
-            throw InputError(fmt::format("answer: {}: lambda={}: not allowed; allowed: {}, {}", code.name,
-                                         fluid.lambda, DpdFluid{}.lambda, measured));
-        integrator = "GW 0.65";
-    }
+    std::string const integrator =
+        value_in(own, "integrator", std::string(integrator_of(code.mover, fluid.lambda)));
+    if (integrator.empty())
+        throw InputError(fmt::format("answer: {}: lambda={}: not allowed; allowed: {}, {}", code.name,
+                                     fluid.lambda, lambda_of("GW 0.5"), lambda_of("GW 0.65")));
     query.asked.emplace_back("integrator", integrator);
     return query;
 }
@@ -115,11 +111,10 @@ Query foreign_query(Code const& code, std::vector<std::string> const& words) {
 }  // namespace
 
 double asked_number(std::string const& key, std::string const& text) {
-    double number = 0.0;
-    auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number) || number < 0.0)
+    auto const number = number_in(text);
+    if (!number || !std::isfinite(*number) || *number < 0.0)
         throw InputError(fmt::format("answer: {}={}: not allowed; allowed: a number >= 0", key, text));
-    return number;
+    return *number;
 }
 
 bool is_text(std::string_view key) {
@@ -132,10 +127,14 @@ std::string value_in(Assignments const& assignments, std::string_view key, std::
     return fallback;
 }
 
-std::string_view integrator_of(Mover mover) {
+double lambda_of(std::string_view integrator) { return integrator == "GW 0.65" ? 0.65 : DpdFluid{}.lambda; }
+
+std::string_view integrator_of(Mover mover, double lambda) {
     switch (mover) {
         case Mover::velocity_verlet:
-            return "GW 0.5";
+            for (std::string_view const name : {"GW 0.5", "GW 0.65"})
+                if (lambda == lambda_of(name)) return name;
+            return "";
         case Mover::s1:
             return "S1";
         case Mover::exponential:

@@ -45,7 +45,11 @@ bool is_text(std::string_view key);
 /// A parameter of a state point as a query would have it.
 std::string text_of(nlohmann::ordered_json const& value);
 
-/// Of the state points' integrators the one that moves particles as a code does.
-std::string_view integrator_of(Mover mover);
+/// For which share of a step an integrator of the state points predicts velocities; 1/2 if it does not.
+double lambda_of(std::string_view integrator);
+
+/// Of the state points' integrators the one that moves particles as a code does; empty where none predicts
+/// for `lambda`.
+std::string_view integrator_of(Mover mover, double lambda = DpdFluid{}.lambda);
 
 }  // namespace dpd

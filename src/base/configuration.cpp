@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <optional>
 
 #include "hdf5.hpp"
+#include "number.hpp"
 
 namespace dpd {
 namespace {
@@ -128,14 +128,6 @@ std::vector<std::string_view> words_of(std::string_view line) {
     return words;
 }
 
-std::optional<double> number_of(std::string_view word) {
-    double value = 0.0;
-    auto const [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
-        return std::nullopt;
-    return value;
-}
-
 // The lines of a text, one after the other.
 class Lines {
 public:
@@ -153,8 +145,9 @@ public:
         throw InputError(fmt::format("{}:{}: {}", source_.name, number_, problem));
     }
     double number(std::string_view word) const {
-        auto const value = number_of(word);
-        if (!value) refuse(fmt::format("'{}' is no finite number", word.substr(0, 40)));
+        auto const value = number_in(word);
+        if (!value || !std::isfinite(*value))
+            refuse(fmt::format("'{}' is no finite number", word.substr(0, 40)));
         return *value;
     }
     // So many numbers from `first` on are added to `values`.

@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "errors.hpp"
+#include "number.hpp"
 
 namespace dpd::cli {
 
@@ -32,11 +33,8 @@ std::optional<std::uint64_t> read_seed(std::optional<std::string> const& text) {
 std::optional<double> relative_error(std::string number) {
     bool const percent = number.ends_with('%');
     if (percent) number.pop_back();
-    double error = 0.0;
-    auto const [end, problem] = std::from_chars(number.data(), number.data() + number.size(), error);
-    if (percent) error /= 100.0;
-    if (problem != std::errc{} || end != number.data() + number.size() || !(error > 0.0 && error < 1.0))
-        return {};
+    double const error = number_in(number).value_or(0.0) / (percent ? 100.0 : 1.0);
+    if (!(error > 0.0 && error < 1.0)) return {};
     return error;
 }
 
@@ -51,22 +49,29 @@ std::filesystem::path source_of_build(std::filesystem::path const& tree) {
     return {};
 }
 
-}  // namespace
-
-std::string data_path(std::string const& name) {
+// Empty: the folder in which the program was started.
+std::filesystem::path find_data() {
     std::error_code ignored;
+    auto const holds = [&](std::filesystem::path const& place) {
+        // a build tree has a folder `verification`, too
+        return std::filesystem::exists(place / "verification" / "integrators.toml", ignored);
+    };
     std::filesystem::path const program =
         std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
     auto const installed = (program / DPDREF_DATA_DIR).lexically_normal();
-    std::vector<std::filesystem::path> places{"", installed};
+    for (std::filesystem::path const& place : {std::filesystem::path(), installed})
+        if (holds(place)) return place;
     for (auto above = program; above.has_relative_path(); above = above.parent_path())
-        places.push_back(above);
-    if (auto const source = source_of_build(program); !source.empty()) places.push_back(source);
-    // a build tree has a folder `verification`, too
-    for (auto const& place : places)
-        if (std::filesystem::exists(place / "verification" / "integrators.toml", ignored))
-            return (place / name).string();
-    return (installed / name).string();
+        if (holds(above)) return above;
+    auto const source = source_of_build(program);
+    return !source.empty() && holds(source) ? source : installed;
+}
+
+}  // namespace
+
+std::string data_path(std::string const& name) {
+    static std::filesystem::path const place = find_data();
+    return (place / name).string();
 }
 
 std::string const& present(std::string const& path, std::string_view option) {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "commands.hpp"
 #include "conventions.hpp"
 #include "errors.hpp"
+#include "number.hpp"
 #include "theory/registry.hpp"
 #include "theory/tune.hpp"
 
@@ -103,12 +103,10 @@ void tune_fluid(std::vector<std::string> const& assignments, bool json) {
             continue;
         }
         if (*target) throw InputError(fmt::format("tune: {} is given twice; allowed: once", name));
-        double value = 0.0;
-        auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size() || !(value > 0.0) ||
-            !std::isfinite(value))
+        auto const value = number_in(text);
+        if (!value || !(*value > 0.0) || !std::isfinite(*value))
             throw InputError(fmt::format("tune: {} is '{}'; allowed: > 0", name, text));
-        *target = value;
+        *target = *value;
     }
     static th::ClosedForm const form{
         .id = "tune",

@@ -6,7 +6,6 @@
 #include <array>
 #include <boost/algorithm/string.hpp>
 #include <boost/tokenizer.hpp>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -16,6 +15,7 @@
 #include "compare.hpp"
 #include "errors.hpp"
 #include "files.hpp"
+#include "number.hpp"
 
 namespace dpd {
 
@@ -23,11 +23,7 @@ std::optional<double> to_number(std::string_view text) {
     std::string number(text.starts_with('+') ? text.substr(1) : text);
     // Fortran's double precision; what is no number otherwise is none with another letter either
     if (auto const d = number.find_first_of("dD"); d != 0 && d != std::string::npos) number[d] = 'e';
-    double value = 0.0;
-    char const* const last = number.data() + number.size();
-    auto const [end, error] = std::from_chars(number.data(), last, value);
-    if (error != std::errc{} || end != last) return {};
-    return value;
+    return number_in(number);
 }
 
 std::string bare(std::string const& name) {

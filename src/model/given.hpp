@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 
 #include "conventions.hpp"
 #include "errors.hpp"
+#include "number.hpp"
 
 namespace dpd {
 
@@ -43,13 +43,10 @@ public:
 
     /// A finite number, > 0, or >= 0 where the key says so.
     double number(std::string_view name) const {
-        auto const value = text(name);
-        double number = 0.0;
-        auto const [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-        if (error != std::errc{} || end != value.data() + value.size() || !std::isfinite(number) ||
-            number < 0.0 || (number == 0.0 && !key(name).may_be_zero))
+        auto const number = number_in(text(name));
+        if (!number || !std::isfinite(*number) || *number < 0.0 || (*number == 0.0 && !key(name).may_be_zero))
             refuse(name, key(name).may_be_zero ? "a number >= 0" : "a number > 0");
-        return number;
+        return *number;
     }
 
     /// A weight function by its name, with the parameter `exponent` where that is `power`.
