@@ -126,11 +126,18 @@ Answers load(std::filesystem::path const& directory, std::string const& budget, 
     struct Effort {
         std::uint64_t seeds = 1;
         double duration_scale = 1.0;
+        std::vector<std::string> rest, shear, densities;  // settings
     };
-    auto const effort = read_budget(root, budget, [](TomlReader& table) {
+    auto const effort = read_budget(root, budget, [&](TomlReader& table) {
         return Effort{.seeds = table.integer("seeds", std::nullopt, positive_integer),
-                      .duration_scale = table.number("duration_scale", 1.0, positive)};
+                      .duration_scale = table.number("duration_scale", 1.0, positive),
+                      .rest = settings_of(table, rest.name),
+                      .shear = settings_of(table, shear.name),
+                      .densities = settings_of(table, densities.name)};
     });
+    append(rest.settings, effort.rest);
+    append(shear.settings, effort.shear);
+    append(densities.settings, effort.densities);
 
     std::vector<AppliesTo> closed_forms;
     for (auto& table : root.tables("closed_form")) {
