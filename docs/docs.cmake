@@ -23,8 +23,8 @@ if(NOT DPDREF_HEADER MATCHES "name=\"viewport\"")
     string(REPLACE "<head>" "<head>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>"
            DPDREF_HEADER "${DPDREF_HEADER}")
 endif()
-# No box that says what MathJax loads; the search is the book's own.
-string(REPLACE "$mathjax" "<script type=\"text/x-mathjax-config\">MathJax.Hub.Config({messageStyle: 'none', displayAlign: 'left', displayIndent: '2em'})</script>\n$mathjax"
+# No box that says what MathJax loads, and no error in place of a formula where a busy machine takes its time; the search is the book's own.
+string(REPLACE "$mathjax" "<script type=\"text/x-mathjax-config\">MathJax.Ajax.timeout = 300000; MathJax.Hub.Config({messageStyle: 'none', displayAlign: 'left', displayIndent: '2em'})</script>\n$mathjax"
        DPDREF_HEADER "${DPDREF_HEADER}")
 string(REPLACE "</head>" [[
 <script type="text/javascript" src="$relpath^doxygen-awesome-darkmode-toggle.js"></script>

@@ -22,28 +22,34 @@ addEventListener("load", () => {
 })
 
 const BookSearch = {
-    words: text => text.toLowerCase().normalize("NFKD").replace(/[\u0300-\u036f]/g, "").match(/[\p{L}\p{N}]+/gu) || [],
+    // `Figure 3b` and `equation 12` are `Fig. 3b` and `eq. 12`
+    words: text => (text.toLowerCase().normalize("NFKD").replace(/[\u0300-\u036f]/g, "").match(/[\p{L}\p{N}]+/gu) || [])
+        .map(word => ({ figure: "fig", figs: "fig", figures: "fig", equation: "eq", equations: "eq", eqs: "eq" }[word] || word)),
 
     // The entries that have all words of the query, best first: a word of the title counts more than the beginning of
-    // one, that more than the text; figures and equations come first when a number is asked for.
+    // one, that more than the text; words that stand together in this order, and what much of the book leads to, count more;
+    // figures and equations come first when a number is asked for, what proves or defines something last.
     find(query, entries) {
         const wanted = BookSearch.words(query)
         if (!wanted.length) return []
-        const number = wanted.some(word => /\d/.test(word))
+        const number = wanted.some(word => /\d/.test(word)), phrase = " " + wanted.join(" ")
         const found = []
         for (const entry of entries) {
             if (!entry.words) {
-                entry.words = BookSearch.words(entry.title)
-                entry.body = " " + entry.text.toLowerCase()
+                entry.words = BookSearch.words(entry.kind === "figure" ? entry.title + " " + entry.url.split("#")[1] : entry.title)
+                entry.body = " " + BookSearch.words(entry.text).join(" ")
             }
-            let score = { page: 8, figure: number ? 20 : 4, equation: number ? 20 : 2, section: 3, code: -15 }[entry.kind]
+            let score = { page: 8, word: 7, figure: number ? 20 : 4, equation: number ? 20 : 2, section: 3, claim: -8, definition: -8, code: -15 }[entry.kind]
             for (const word of wanted) {
                 if (entry.words.includes(word)) score += 20
-                else if (entry.words.some(w => w.startsWith(word))) score += 10
+                else if (word.length > 1 && entry.words.some(w => w.startsWith(word))) score += 10
                 else if (word.length > 1 && entry.body.includes(word)) score += 1
                 else { score = -Infinity; break }
             }
-            if (score > -20) found.push({ entry, score: score - 0.2 * entry.words.length + (entry.words[0] === wanted[0] ? 3 : 0) })
+            if (score < -20) continue
+            if (wanted.length > 1) score += (" " + entry.words.join(" ")).includes(phrase) ? 8 : entry.body.includes(phrase) ? 4 : 0
+            if (entry.words[0] === wanted[0]) score += 3
+            found.push({ entry, score: score - 0.2 * entry.words.length + 0.5 * Math.log2(1 + entry.links) })
         }
         return found.sort((a, b) => b.score - a.score).slice(0, 20).map(each => each.entry)
     },
@@ -51,13 +57,13 @@ const BookSearch = {
     load: () => BookSearch.loading ||= new Promise(done => {
         const script = document.createElement("script")
         script.src = BookSearch.root + "search_index.js"
-        script.onload = () => done(window.bookIndex.map(([url, kind, title, page, text]) => ({ url, kind, title, page, text })))
+        script.onload = () => done(window.bookIndex.map(([url, kind, title, page, text, links]) => ({ url, kind, title, page, text, links })))
         document.head.append(script)
     }),
 
     excerpt(entry, query) {
-        const word = BookSearch.words(query).find(w => entry.body.includes(w))
-        const at = word ? Math.max(0, entry.body.indexOf(word) - 40) : 0
+        const text = entry.text.toLowerCase(), word = BookSearch.words(query).find(w => text.includes(w))
+        const at = word && entry.kind !== "word" ? Math.max(0, text.indexOf(word) - 40) : 0
         return (at ? "…" : "") + entry.text.slice(at, at + 110) + (entry.text.length > at + 110 ? "…" : "")
     },
 

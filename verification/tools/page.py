@@ -7,7 +7,7 @@ usage: page.py FILE        prints the page with
                            @figure{ID}: the picture, with its caption from docs/captions.toml and a link to its definition,
                            @live{NAME}: what docs/live/live_pages.js has under that name (in a comment, so that README.md hides it),
                            \\solution ... \\endsolution: what a reader unfolds,
-                           previous, contents and next at its end, in the order of docs/book.md
+                           previous, contents and next at its end, in the order of docs/book.md; of a page below one of these, that one
        page.py --check     every page is in the contents, every picture has a caption; exercises and their commands are counted
 
 Python's standard library only.
@@ -29,6 +29,7 @@ MARK = re.compile(r"@figure\{([\w-]+)\}")
 LIVE = re.compile(r"^(?:<!-- )?@live\{(\w+)\}(?: -->)?$", flags=re.MULTILINE)
 LABEL = re.compile(r"# [^\n]*\{#([\w-]+)\}")
 WRITTEN = {"equations", "gallery", "claims"}  # pages that scripts make
+BELOW = {"definition": "gallery", "claims": "claims"}  # pages that are not in the contents, by their first word, and the page above
 
 
 @functools.cache
@@ -74,22 +75,35 @@ def live(name):
 def ends(text):
     """Previous, contents, next"""
     label = LABEL.match(text)
-    labels = [at for at, _ in contents()]
-    if not label or label[1] not in labels:
+    title = dict(contents())
+    labels = [None, *title, None]
+    if not label:  # README.md, before the first
+        around = None, labels[1]
+    elif label[1] in title:
+        at = labels.index(label[1])
+        around = labels[at - 1], labels[at + 1]
+    elif above := BELOW.get(label[1].partition("-")[0]):
+        around = above, None
+    else:
         return ""
-    at = labels.index(label[1])
-    links = []
-    for kind, here in (("previous", at - 1), ("next", at + 1)):
-        if 0 <= here < len(labels):
-            links.append(f"<span class=\"{kind}\">\\ref {labels[here]} \"{contents()[here][1]}\"</span>")
-        else:
-            links.append(f"<span class=\"{kind}\"></span>")
+    links = [f"<span class=\"{kind}\">" + (f"\\ref {here} \"{title[here]}\"" if here else "") + "</span>"
+             for kind, here in zip(("previous", "next"), around)]
     links.insert(1, "<span class=\"contents-link\">\\ref book \"Contents\"</span>")
     return "\n\n<div class=\"path\">\n" + "\n".join(links) + "\n</div>\n"
 
 
+def words(text):
+    """The rows of the glossary, each with an anchor, which the search leads to"""
+    def row(match):
+        return f"| \\anchor word-{re.sub(r'[^a-z0-9]+', '-', match[1].lower()).strip('-')} {match[1]} |"
+    head, line, rows = text.partition("|---|---|---|\n")
+    return head + line + re.sub(r"^\| ([^|]+?) \|", row, rows, flags=re.MULTILINE)
+
+
 def made(file):
     text = equations.labelled(file)
+    if file.name == "glossary.md":
+        text = words(text)
     text = LIVE.sub(lambda match: live(match[1]), text)
     text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
     text = measured.drawn(text)

@@ -3,10 +3,11 @@
 
 usage: search_index.py FOLDER     FOLDER of HTML pages as Doxygen made them; writes FOLDER/search_index.js
 
-One entry per page and per section with an anchor: address, kind (page, section, figure, equation, code), title, title of its page, and
-its text; of code the names and first words only. Python's standard library only.
+One entry per page, per section with an anchor and per word of the glossary: address, kind (KINDS), title, title of its page, its text (of code
+the names and first words only), and how many links of the book lead to it. Python's standard library only.
 """
 
+import collections
 import html.parser
 import json
 import pathlib
@@ -18,6 +19,8 @@ HEADINGS = ("h1", "h2", "h3", "h4")
 LISTS = re.compile(r"(.*_source|annotated|classes|files|functions.*|globals.*|hierarchy|pages|namespace.*|dir_.*)\.html")
 CODE = re.compile(r"(struct|class|union|namespace).*\.html|.*_8[a-z]+\.html")
 CODE_TEXT = 200  # characters
+LINK = re.compile(r' href="([^":]+)"')
+KINDS = (("figure-", "figure"), ("eq_", "equation"), ("word-", "word"), ("claim-", "claim"))  # by the anchor
 
 
 class Sections(html.parser.HTMLParser):
@@ -26,7 +29,7 @@ class Sections(html.parser.HTMLParser):
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
         self.found, self.anchor = [["", "", ""]], ""
-        self.heading, self.inside, self.title, self.skip, self.depth = None, 0, False, 0, 0
+        self.heading, self.inside, self.title, self.skip, self.word = None, 0, False, 0, False
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -45,6 +48,9 @@ class Sections(html.parser.HTMLParser):
                 self.skip, self.inside = 1, self.inside - 1
         elif tag == "a" and (of.get("id") or of.get("name")) and self.inside:
             self.anchor = of.get("id") or of.get("name")
+            if self.anchor.startswith("word-"):
+                self.found.append([self.anchor, "", ""])
+                self.word = True
         elif tag in HEADINGS and self.inside and kind != "groupheader":
             self.heading = ""
             self.anchor = of.get("id") or self.anchor
@@ -55,6 +61,8 @@ class Sections(html.parser.HTMLParser):
         elif tag == "div":
             self.inside = max(0, self.inside - 1)
             self.title = False
+        elif tag == "td":
+            self.word = False
         elif tag in HEADINGS and self.heading is not None:
             title = " ".join(self.heading.replace("\u25c6", "").split())
             if title and self.anchor:
@@ -68,6 +76,8 @@ class Sections(html.parser.HTMLParser):
             self.found[0][1] += text
         elif self.heading is not None:
             self.heading += text
+        elif self.word:
+            self.found[-1][1] += text
         elif self.inside:
             self.found[-1][2] += text + " "
 
@@ -75,11 +85,9 @@ class Sections(html.parser.HTMLParser):
 def kind_of(file, anchor):
     if CODE.fullmatch(file.name):
         return "code"
-    if anchor.startswith("figure-"):
-        return "figure"
-    if anchor.startswith("eq_"):
-        return "equation"
-    return "section" if anchor else "page"
+    if file.name.startswith("definition-"):
+        return "definition"
+    return next((kind for start, kind in KINDS if anchor.startswith(start)), "section" if anchor else "page")
 
 
 def entries(file):
@@ -95,7 +103,9 @@ def entries(file):
 
 
 def main(folder):
-    found = [list(entry) for file in sorted(folder.glob("*.html")) if not LISTS.fullmatch(file.name) for entry in entries(file)]
+    files = [file for file in sorted(folder.glob("*.html")) if not LISTS.fullmatch(file.name)]
+    links = collections.Counter(link for file in files for link in set(LINK.findall(file.read_text(encoding="utf-8", errors="replace"))))
+    found = [[*entry, links[entry[0]]] for file in files for entry in entries(file)]
     (folder / "search_index.js").write_text("bookIndex = " + json.dumps(found, ensure_ascii=False, separators=(",", ":")) + "\n",
                                             encoding="utf-8")
     print(f"{len(found)} entries in the index of the search")
