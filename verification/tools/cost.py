@@ -162,8 +162,8 @@ def main():
             for program, runs in zip(arguments.program, results):
                 runs[name].append(measure(program, assignments))
     *older, last = results
-    if any(None in runs for runs in last.values()):
-        sys.exit("a scene was refused")
+    if refused := [name for name, runs in last.items() if None in runs]:
+        sys.exit(f"refused: {'; '.join(refused)}")
     if older:
         what = "instructions" if arguments.instructions else "CPU time"
         print(f"| scene | {what}, ratio | range | counters and bytes |\n|---|---|---|---|")
