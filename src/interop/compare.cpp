@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <span>
@@ -322,6 +323,41 @@ bool drifts(std::vector<double> const& samples, std::size_t family) {
 
 namespace {
 
+// What friction adds to the pressure of a virial that counts it, to first order in the step (docs/lammps.md):
+// -(gamma dt kT/(m d)) (n^2/2) times the integral over space of g div(w_D r), the latter exact in each bin of
+// g. NaN where the reference does not tell, or g(r) ends before the cutoff.
+double friction_in_the_virial(Reference const& reference) {
+    auto const fact = [&](char const* name) {
+        auto const known = reference.facts.find(name);
+        return known == reference.facts.end() ? std::nan("") : known->second;
+    };
+    auto const* const kT = find_quantity(reference.quantities, temperature);
+    auto const& g = reference.radial_distribution;
+    double const half = g.x.size() < 2 ? 0.0 : 0.5 * (g.x[1] - g.x[0]), cutoff = fact("cutoff"),
+                 d = reference.dimension, n = fact("density");
+    if (!kT || !(half > 0.0) || !(g.x.back() + half >= cutoff * (1.0 - 1e-9))) return std::nan("");
+    auto const carried = [&](double r) {
+        return std::pow(r, d) * std::pow(std::max(0.0, 1.0 - r / cutoff), fact("exponent of w_D"));
+    };
+    double integral = 0.0;
+    for (std::size_t k = 0; k < g.x.size(); ++k)
+        integral += g.y[k].value * (carried(g.x[k] + half) - carried(g.x[k] - half));
+    double const sphere = 2.0 * (d - 1.0) * std::numbers::pi;  // in two and three dimensions
+    return -fact("gamma") * fact("timestep") * kT->estimate.value / (fact("mass") * d) * 0.5 * n * n *
+           sphere * integral;
+}
+
+// As a note, where friction is a force that sees the velocities in the middle of a drift.
+Words expected_lammps_pressure(Reference const& reference) {
+    auto const* const pressure = find_quantity(reference.quantities, "pressure");
+    double const more = friction_in_the_virial(reference);
+    if (!pressure || !std::isfinite(more) || reference.integrator != step_of_pair_dpd) return {};
+    return {
+        fmt::format("{}: to first order in the step friction adds {:.4g} to the reference's pressure, which "
+                    "makes {:.6g}",
+                    lammps_pressure, more, pressure->estimate.value + more)};
+}
+
 // Gathers the averages of one file after the other.
 class Averager {
 public:
@@ -421,6 +457,8 @@ private:
                 "{}: LAMMPS counts friction and noise of pair dpd in it, which makes another quantity than "
                 "pressure; --as {}=pressure compares them all the same",
                 column, column));
+        if (named.quantity == lammps_pressure && !is_known(reference_, lammps_pressure) && !flows(output))
+            add_notes(expected_lammps_pressure(reference_));
         if (!named.definition.empty())
             averages.definitions.push_back(fmt::format("{}: {}, {} ({})", column, named.quantity,
                                                        named.definition,

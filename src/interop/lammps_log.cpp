@@ -20,7 +20,7 @@ namespace {
 using Words = std::vector<std::string>;
 using Facts = std::map<std::string, double>;
 
-constexpr std::string_view velocity_verlet = "modified velocity-Verlet", s1 = "S1";
+constexpr std::string_view s1 = "S1";
 
 // Constants of LAMMPS' units (update.cpp, 29 Sep 2021): Boltzmann's, m v^2 to energy, energy/volume to
 // pressure, and the time step where none is given.
@@ -143,7 +143,7 @@ Said read_commands(CodeOutput const& output, int d) {
         std::any_of(fixes.begin(), fixes.end(), [](auto const& fix) { return fix.second == "shardlow"; });
     bool const verlet = std::any_of(fixes.begin(), fixes.end(),
                                     [](auto const& fix) { return fix.second.starts_with("nve"); });
-    if (shardlow || verlet) said.integrator = shardlow ? s1 : velocity_verlet;
+    if (shardlow || verlet) said.integrator = shardlow ? s1 : step_of_pair_dpd;
     return said;
 }
 
@@ -191,7 +191,7 @@ void describe_fluid(Reference& reference, Scene const& scene) {
     reference.integrator = fmt::format("{}", fmt::join(names, ", "));
     if (auto const* const p = scene.stage<ModifiedVerlet>()) {
         friction(p->gamma, p->cutoff, p->weight);
-        if (p->lambda == 0.5 && !p->friction_again) reference.integrator = velocity_verlet;
+        if (p->lambda == 0.5 && !p->friction_again) reference.integrator = step_of_pair_dpd;
     }
     if (auto const* const p = scene.stage<Shardlow>()) {
         friction(p->friction, p->cutoff, p->weight);

@@ -20,6 +20,9 @@ struct LogCheck {
     double pressure = 1.0;                 ///< energy/length^d
 };
 
+/// What the step of `pair dpd` with `fix nve` is called.
+constexpr std::string_view step_of_pair_dpd = "modified velocity-Verlet";
+
 /// What a fact of a fluid is called among the parameters of a state point (docs/answers.md).
 std::string_view parameter_of(std::string_view fact);
 

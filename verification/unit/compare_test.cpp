@@ -469,6 +469,38 @@ BOOST_AUTO_TEST_CASE(a_pressure_with_friction_is_another_quantity) {
     BOOST_TEST(estimate_of(forced, "pressure").value == 23.5);
 }
 
+// What friction adds to it follows from g(r) to first order in the step: nothing for g = 1; for g = 1 beyond
+// r = 1/2 alone the integral of div((1-r)^2 r) is -4 pi (1/2)^3 (1/2)^2.
+BOOST_AUTO_TEST_CASE(the_pressure_with_friction_is_estimated_from_g) {
+    Reference reference{.name = "made up", .quantities = {{"pressure", {20.0, 0.1, 16}}}};
+    reference.quantities.push_back({"kinetic_temperature", {1.1, 0.001, 16}});
+    reference.facts = {{"mass", 2.0},   {"timestep", 0.04}, {"density", 3.0},
+                       {"cutoff", 1.0}, {"gamma", 4.5},     {"exponent of w_D", 2.0}};
+    reference.thermostat_forces = true;
+    reference.integrator = step_of_pair_dpd;
+    CodeOutput output;
+    output.file = "made up";
+    output.series = {{"lammps_pressure", {20.0, 21.0, 20.0, 21.0}}};
+    auto const notes = [&](auto&& g) {
+        reference.radial_distribution = {};
+        for (int bin = 0; bin < 60; ++bin) {
+            reference.radial_distribution.x.push_back((bin + 0.5) * 0.025);
+            reference.radial_distribution.y.push_back({g((bin + 0.5) * 0.025), 0.01, 16});
+        }
+        return fmt::format("{}", fmt::join(average({output}, reference, {}, {}).notes, "\n"));
+    };
+    double const hole = 4.5 * 0.04 * 1.1 / (2.0 * 3.0) * 0.5 * 9.0 * 4.0 * std::acos(-1.0) / 32.0;
+    BOOST_TEST(notes([](double r) { return r < 0.5 ? 0.0 : 1.0; })
+                   .find(fmt::format("friction adds {:.4g} to the reference's pressure, which makes {:.6g}",
+                                     hole, 20.0 + hole)) != std::string::npos);
+    BOOST_TEST(notes([](double) { return 1.0; }).find("which makes 20") != std::string::npos);
+    reference.integrator = "another";
+    BOOST_TEST(notes([](double) { return 1.0; }).find("friction") == std::string::npos);
+    reference.integrator = step_of_pair_dpd;
+    reference.facts.erase("gamma");
+    BOOST_TEST(notes([](double) { return 1.0; }).find("friction") == std::string::npos);
+}
+
 // A deck in shear says its rate; kT is then that of the flow, and what has no sheared reference has none.
 BOOST_AUTO_TEST_CASE(a_flow_is_compared_with_the_flow) {
     Directory const directory;
