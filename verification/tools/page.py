@@ -8,7 +8,8 @@ usage: page.py FILE        prints the page with
                            @live{NAME}: what docs/live/live_pages.js has under that name (in a comment, so that README.md hides it),
                            \\solution ... \\endsolution: what a reader unfolds,
                            previous, contents and next at its end, in the order of docs/book.md; of a page below one of these, that one
-       page.py --check     every page is in the contents, every picture has a caption; exercises and their commands are counted
+       page.py --check     every page is in the contents and opens with a question, every picture has a caption; exercises and their
+                           commands are counted
 
 Python's standard library only.
 """
@@ -125,6 +126,8 @@ def mistakes():
             yield f"{where}: begins with no heading that has a label"
             continue
         found[label[1]] = text
+        if "?" not in text.split("\n\n")[1]:
+            yield f"{where}: does not open with its question"
         if label[1] != "book" and label[1] not in labels:
             yield f"{where}: docs/book.md has no \\subpage {label[1]}"
         for name in MARK.findall(text):
