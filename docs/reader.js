@@ -37,13 +37,13 @@ const BookSearch = {
         for (const entry of entries) {
             if (!entry.words) {
                 entry.words = BookSearch.words(entry.kind === "figure" ? entry.title + " " + entry.url.split("#")[1] : entry.title)
-                entry.body = " " + BookSearch.words(entry.text).join(" ")
+                entry.body = ` ${BookSearch.words(entry.text).join(" ")} `
             }
             let score = { page: 8, word: 7, figure: number ? 20 : 4, equation: number ? 20 : 2, section: 3, claim: -8, definition: -8, code: -15 }[entry.kind]
             for (const word of wanted) {
                 if (entry.words.includes(word)) score += 20
                 else if (word.length > 1 && entry.words.some(w => w.startsWith(word))) score += 10
-                else if (word.length > 1 && entry.body.includes(word)) score += 1
+                else if (entry.body.includes(word.length > 1 ? word : ` ${word} `)) score += 1
                 else { score = -Infinity; break }
             }
             if (score < -20) continue

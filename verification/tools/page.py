@@ -94,11 +94,16 @@ def ends(text):
 
 
 def words(text):
-    """The rows of the glossary, each with an anchor, which the search leads to"""
-    def row(match):
-        return f"| \\anchor word-{re.sub(r'[^a-z0-9]+', '-', match[1].lower()).strip('-')} {match[1]} |"
-    head, line, rows = text.partition("|---|---|---|\n")
-    return head + line + re.sub(r"^\| ([^|]+?) \|", row, rows, flags=re.MULTILINE)
+    """The table of the glossary as a list, which fits a phone, each word with an anchor, which the search leads to"""
+    head, _, rows = text.partition("| word | meaning | more |\n|---|---|---|\n")
+    lines = [head + '<dl class="words">']
+    for row in rows.strip().splitlines():
+        if not (match := re.fullmatch(r"\| (.+?) \| (.+) \| (\\ref \S+) \|", row)):
+            raise ValueError(f"docs/glossary.md: no word, meaning and page in {row}")
+        word, meaning, more = match.groups()
+        anchor = re.sub(r"[^a-z0-9]+", "-", word.lower()).strip("-")
+        lines.append(f"<dt>\\anchor word-{anchor} {word}</dt>\n<dd>{meaning} ({more})</dd>")
+    return "\n".join(lines) + "\n</dl>\n"
 
 
 def made(file):

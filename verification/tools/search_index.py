@@ -61,7 +61,7 @@ class Sections(html.parser.HTMLParser):
         elif tag == "div":
             self.inside = max(0, self.inside - 1)
             self.title = False
-        elif tag == "td":
+        elif tag == "dt":
             self.word = False
         elif tag in HEADINGS and self.heading is not None:
             title = " ".join(self.heading.replace("\u25c6", "").split())
