@@ -114,6 +114,8 @@ def made(file):
     text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
     text = measured.drawn(text)
     text = MARK.sub(lambda match: shown(match[1]), text)
+    # Doxygen's Markdown makes nothing bold that begins or ends with code
+    text = re.sub(r"\*\*(`[^*\n]+|[^*\n]+`)\*\*", r"<b>\1</b>", text)
     # open where scripts are off and on paper; the head of the pages closes them
     text = re.sub(r"^\\solution$", "\\\\htmlonly <details class=\"solution\" open><summary>Solution</summary> \\\\endhtmlonly", text,
                   flags=re.MULTILINE)
