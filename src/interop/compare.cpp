@@ -639,9 +639,31 @@ bool share_bins(CurveEstimate& curve, CurveEstimate& reference, int d, std::vect
     return shared;
 }
 
+// A bin that was never hit has no scatter to tell its error. Counts are Poisson's: the variance of g is that
+// of the nearest bin that was hit, times what is expected over its g, over the ratio of their volumes.
+Estimate with_error_of_counts(CurveEstimate const& curve, std::size_t bin, double expected, int d) {
+    constexpr double rounding = 1e-12;
+    Estimate empty = curve.y[bin];
+    if (std::abs(empty.value) > rounding || empty.error > rounding || !(expected > 0.0)) return empty;
+    double const half = 0.5 * bin_width(curve);
+    auto const volume = [&](std::size_t k) {
+        return std::pow(curve.x[k] + half, d) - std::pow(std::max(0.0, curve.x[k] - half), d);
+    };
+    std::optional<std::size_t> hit;
+    for (std::size_t k = 0; k < curve.y.size(); ++k)
+        if (curve.y[k].value > rounding && curve.y[k].error > rounding &&
+            (!hit || std::abs(curve.x[k] - curve.x[bin]) < std::abs(curve.x[*hit] - curve.x[bin])))
+            hit = k;
+    if (!hit) return empty;
+    Estimate const& its = curve.y[*hit];
+    empty.error = its.error * std::sqrt(expected / its.value * volume(*hit) / volume(bin));
+    empty.blocks = its.blocks;
+    return empty;
+}
+
 // The bin that is furthest off, with the verdict on all.
-CodeComparison compare_curves(CurveEstimate const& curve, CurveEstimate const& reference, double resolution,
-                              double false_alarm) {
+CodeComparison compare_curves(CurveEstimate const& curve, CurveEstimate const& reference, int d,
+                              double resolution, double false_alarm) {
     double peak = 0.0;
     for (auto const& y : reference.y) peak = std::max(peak, y.value);
     auto const bins = common_bins(curve, reference);
@@ -650,8 +672,8 @@ CodeComparison compare_curves(CurveEstimate const& curve, CurveEstimate const& r
     Verdict verdict = Verdict::agrees;
     for (auto const& [a, b] : bins) {
         CodeComparison bin{.quantity = fmt::format("radial_distribution at {:.4g}", reference.x[b]),
-                           .value = curve.y[a],
-                           .reference = reference.y[b]};
+                           .value = with_error_of_counts(curve, a, reference.y[b].value, d),
+                           .reference = with_error_of_counts(reference, b, curve.y[a].value, d)};
         bin.difference = difference(bin.value, bin.reference);
         Estimate above_zero = bin.difference;  // so that the error counts against the peak
         above_zero.value += peak;
@@ -752,7 +774,9 @@ CodeReport compare(Averages const& averages, Reference const& reference, double 
             for (auto& text : hints(c, averages.particles, reference, share))
                 report.hints.push_back(std::move(text));
     }
-    if (curves) report.comparisons.push_back(compare_curves(curve, its_curve, resolution, share));
+    if (curves)
+        report.comparisons.push_back(
+            compare_curves(curve, its_curve, reference.dimension, resolution, share));
     for (auto const& quantity : reference.quantities)
         if (!find_quantity(averages.quantities, quantity.name)) report.not_measured.push_back(quantity.name);
     if (!curves && !reference.radial_distribution.x.empty())

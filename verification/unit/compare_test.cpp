@@ -881,6 +881,42 @@ BOOST_AUTO_TEST_CASE(a_radial_distribution_is_judged_by_its_bins) {
     BOOST_TEST(std::abs(alarms - 1000.0 * family_false_alarm) < 4.0 * std::sqrt(1000.0 * family_false_alarm));
 }
 
+// Pairs that are counted in 16 blocks, where the innermost bins are hit now and then: a bin that no block has
+// hit is no disagreement, unless it should have been.
+BOOST_AUTO_TEST_CASE(a_bin_that_was_never_hit_has_the_error_of_counts) {
+    std::mt19937_64 generator(4);
+    auto const curve = [&](double counts, double core) {  // of all blocks, in the shell between 1 and 1.02
+        CurveEstimate result;
+        for (int bin = 0; bin < 50; ++bin) {
+            double const r = 0.02 * (bin + 0.5), volume = r * r, g = r < core ? 0.0 : r < 0.2 ? 0.02 : 1.0;
+            double const mean = g * volume * counts / 16.0;
+            std::vector<double> values(16, 0.0);
+            for (double& value : values)
+                if (mean > 0.0)
+                    value = std::poisson_distribution<>(mean)(generator) / (volume * counts / 16.0);
+            result.x.push_back(r);
+            result.y.push_back(independent(values));
+        }
+        return result;
+    };
+    int alarms = 0, empty = 0;
+    Averages averages;
+    Reference reference;
+    for (int k = 0; k < 1000; ++k) {
+        averages.radial_distribution = curve(1e4, 0.0);
+        reference.radial_distribution = curve(1e8, 0.0);
+        empty += averages.radial_distribution.y[1].error == 0.0;
+        alarms += compare(averages, reference, 0.1).comparisons.at(0).verdict == Verdict::disagrees;
+    }
+    BOOST_TEST_MESSAGE("false alarms of g(r) with empty bins: " << alarms << " of 1000");
+    BOOST_TEST(empty > 500);
+    BOOST_TEST(alarms < 1000.0 * family_false_alarm + 4.0 * std::sqrt(1000.0 * family_false_alarm));
+    averages.radial_distribution = curve(1e4, 0.5);
+    auto const hard = compare(averages, reference, 0.1).comparisons.at(0);
+    BOOST_TEST(name_of(hard.verdict) == "disagrees");
+    BOOST_TEST(hard.z() < -5.0);
+}
+
 // g(r) = 1 + r^2/2 + sin(3 r)/5 in bins of any width, exactly averaged over shells, against bins of another.
 BOOST_AUTO_TEST_CASE(other_bins_are_put_together) {
     auto const shells = [](double width, std::size_t count, int d, double first = 0.0) {
