@@ -124,6 +124,7 @@ def main():
         TABLE.parent.mkdir(exist_ok=True)
         TABLE.write_text(text.getvalue(), encoding="utf-8")
         TABLE.with_suffix(".md").write_text(page(table), encoding="utf-8")
+        print(f"judged: {len(table)} verdicts on {len(outputs)} kept outputs written")
         return 0
     wrong = [f"not in both judged.csv and what compare says: {', '.join(row)}" for row in changed(table)]
     if TABLE.with_suffix(".md").read_text(encoding="utf-8") != page(table):
@@ -135,7 +136,8 @@ def main():
     else:
         print(f"judged: {live[0]} decks run on the lmp of the PATH")
         wrong += live[1]
-    print("\n".join(f"judged: {text}" for text in wrong))
+    for text in wrong:
+        print(f"judged: {text}")
     return 1 if wrong else 0
 
 

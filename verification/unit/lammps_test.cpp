@@ -330,9 +330,9 @@ BOOST_DATA_TEST_CASE(
     BOOST_TEST((scene.dimension == 2 ? largest_difference<2>(scene) : largest_difference<3>(scene)) < 1e-10);
 }
 
-// A box that is tilted by half its side is flipped. LAMMPS of 29 Sep 2021 then returns what has just left the
-// box across y without a change of velocity (docs/lammps.md), which its neighbours feel through friction. Up
-// to there all is the same; in that step nothing else may differ.
+// A box that is tilted by half its side is flipped. LAMMPS (29 Sep 2021, 29 Aug 2024) then returns what has
+// just left the box across y without a change of velocity (docs/lammps.md), which its neighbours feel through
+// friction. Up to there all is the same; in that step nothing else may differ.
 BOOST_AUTO_TEST_CASE(a_flip_of_the_sheared_box_changes_velocities_of_crossing_particles_at_most) {
     Scene const scene = scene_of(
         groot_warren, {"modified_verlet.sigma=0.0", "box.length=[6.0, 6.0, 6.0]", "box.shear_rate=1.0",
