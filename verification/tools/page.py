@@ -106,6 +106,15 @@ def words(text):
     return "\n".join(lines) + "\n</dl>\n"
 
 
+def for_doxygen(text):
+    """Its Markdown makes nothing bold that begins or ends with code, and takes an apostrophe within code for the end of a quotation"""
+    parts = re.split(r"(^```.*?^```$|^    .*?$)", text, flags=re.DOTALL | re.MULTILINE)
+    for at in range(0, len(parts), 2):
+        parts[at] = re.sub(r"\*\*(`[^*\n]+|[^*\n]+`)\*\*", r"<b>\1</b>", parts[at])
+        parts[at] = re.sub(r"(?<!`)`([^`\n]*'[^`\n]*)`(?!`)", r"``\1``", parts[at])
+    return "".join(parts)
+
+
 def made(file):
     text = equations.labelled(file)
     if file.name == "glossary.md":
@@ -114,8 +123,7 @@ def made(file):
     text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
     text = measured.drawn(text)
     text = MARK.sub(lambda match: shown(match[1]), text)
-    # Doxygen's Markdown makes nothing bold that begins or ends with code
-    text = re.sub(r"\*\*(`[^*\n]+|[^*\n]+`)\*\*", r"<b>\1</b>", text)
+    text = for_doxygen(text)
     # open where scripts are off and on paper; the head of the pages closes them
     text = re.sub(r"^\\solution$", "\\\\htmlonly <details class=\"solution\" open><summary>Solution</summary> \\\\endhtmlonly", text,
                   flags=re.MULTILINE)
