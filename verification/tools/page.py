@@ -111,7 +111,7 @@ def for_doxygen(text):
     parts = re.split(r"(^```.*?^```$|^    .*?$)", text, flags=re.DOTALL | re.MULTILINE)
     for at in range(0, len(parts), 2):
         parts[at] = re.sub(r"\*\*(`[^*\n]+|[^*\n]+`)\*\*", r"<b>\1</b>", parts[at])
-        parts[at] = re.sub(r"(?<!`)`([^`\n]*'[^`\n]*)`(?!`)", r"``\1``", parts[at])
+        parts[at] = re.sub(r"(?<!`)`((?:[^`\n]|\n(?!\n))+)`(?!`)", lambda code: f"`{code[0]}`" if "'" in code[1] else code[0], parts[at])
     return "".join(parts)
 
 
