@@ -62,15 +62,18 @@ def rows(program, outputs):
 
 def page(table):
     lines = ["<!-- as written by verification/judged/judged.py -->",
-             "| code | version | ran | quantity | its value | reference | z | verdict | state point | note |", "|---" * 10 + "|"]
-    previous = None
+             "| code | quantity | its value | reference | z | verdict | state point |", "|---" * 7 + "|"]
+    notes, previous = [], None
     for row in table:
-        shown = {name: row[name] if row["output"] != previous else "" for name in ("code", "version", "ran", "against")}
+        new = row["output"] != previous
         previous = row["output"]
-        pair = f"{row['reference']} ± {row['reference_error']}" if row["reference"] else ""
-        lines.append("| " + " | ".join([shown["code"], shown["version"], shown["ran"], row["quantity"], f"{row['value']} ± {row['error']}", pair,
-                                         row["z"], row["verdict"], shown["against"] and f"`{shown['against']}`", row["note"]]) + " |")
-    return "\n".join(lines) + "\n"
+        code = f"{row['code']} ({row['version']}; {row['ran']})" if new else ""
+        values = [f"{row[name]}&nbsp;±&nbsp;{row[error]}" if row[name] else "" for name, error in (("value", "error"), ("reference", "reference_error"))]
+        lines.append("| " + " | ".join([code, row["quantity"], *values, row["z"], row["verdict"], f"`{row['against']}`" if new else ""]) + " |")
+        note = f"- {row['code']}, {row['quantity']}: {row['note']}"
+        if row["note"] and note not in notes:
+            notes.append(note)
+    return "\n".join([*lines, "", "What `compare` says beside these:", "", *notes]) + "\n"
 
 
 def changed(table):
