@@ -4,7 +4,7 @@
 usage: moved.py COMMIT [--revision 2] [FIGURE...]
 
 A value has moved if it is off by more than three of the errors of both. Figures whose data are of another engine
-revision than --revision are counted and left out, and so are rows that one of the two does not have. With no effect
+revision than --revision are named and left out, and so are rows that one of the two does not have. With no effect
 and right errors one value in 370 moves. Python's standard library only.
 """
 
@@ -40,10 +40,10 @@ def main():
     for file in files:
         revision, now = values(file.read_text())
         before, then = older(arguments.commit, file)
-        if not then or before == revision:
-            continue
         if revision != arguments.revision:
             others.append(file.stem)
+            continue
+        if not then or before == revision:
             continue
         for (curve, x, quantity), (value, error) in now.items():
             was, its_error = then.get((curve, x, quantity), (math.nan, 0.0))
