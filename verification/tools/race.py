@@ -119,7 +119,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=5)
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--only", choices=NAMES)
-    what.add_argument("--digits", action="store_true", help="seconds to an error of 1 %")
+    what.add_argument("--digits", action="store_true", help="seconds to an error of one per cent")
     arguments = parser.parse_args()
     program, lmp = os.path.abspath(arguments.program), shutil.which(arguments.lmp)
     if lmp is None:
