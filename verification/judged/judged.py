@@ -62,14 +62,14 @@ def rows(program, outputs):
 
 def page(table):
     lines = ["<!-- as written by verification/judged/judged.py -->",
-             "| code | quantity | its value | reference | z | verdict | state point |", "|---" * 7 + "|"]
+             "| code | quantity | verdict | its value | reference | z | state point |", "|---" * 7 + "|"]
     notes, previous = [], None
     for row in table:
         new = row["output"] != previous
         previous = row["output"]
         code = f"{row['code']} ({row['version']}; {row['ran']})" if new else ""
         values = [f"{row[name]}&nbsp;±&nbsp;{row[error]}" if row[name] else "" for name, error in (("value", "error"), ("reference", "reference_error"))]
-        lines.append("| " + " | ".join([code, row["quantity"], *values, row["z"], row["verdict"], f"`{row['against']}`" if new else ""]) + " |")
+        lines.append("| " + " | ".join([code, row["quantity"], row["verdict"], *values, row["z"], f"`{row['against']}`" if new else ""]) + " |")
         note = f"- {row['code']}, {row['quantity']}: {row['note']}"
         if row["note"] and note not in notes:
             notes.append(note)
