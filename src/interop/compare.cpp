@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <span>
@@ -19,6 +18,7 @@
 #include "judge_figure.hpp"
 #include "lammps_log.hpp"
 #include "run.hpp"
+#include "theory/closed_forms.hpp"
 #include "toml_reader.hpp"
 
 namespace dpd {
@@ -323,6 +323,8 @@ bool drifts(std::vector<double> const& samples, std::size_t family) {
 
 namespace {
 
+double bin_width(CurveEstimate const& c) { return c.x.size() < 2 ? 0.0 : c.x[1] - c.x[0]; }
+
 // What friction adds to the pressure of a virial that counts it, to first order in the step (docs/lammps.md):
 // -(gamma dt kT/(m d)) (n^2/2) times the integral over space of g div(w_D r), the latter exact in each bin of
 // g. NaN where the reference does not tell, or g(r) ends before the cutoff.
@@ -333,8 +335,8 @@ double friction_in_the_virial(Reference const& reference) {
     };
     auto const* const kT = find_quantity(reference.quantities, temperature);
     auto const& g = reference.radial_distribution;
-    double const half = g.x.size() < 2 ? 0.0 : 0.5 * (g.x[1] - g.x[0]), cutoff = fact("cutoff"),
-                 d = reference.dimension, n = fact("density");
+    double const half = 0.5 * bin_width(g), cutoff = fact("cutoff"), d = reference.dimension,
+                 n = fact("density");
     if (!kT || !(half > 0.0) || !(g.x.back() + half >= cutoff * (1.0 - 1e-9))) return std::nan("");
     auto const carried = [&](double r) {
         return std::pow(r, d) * std::pow(std::max(0.0, 1.0 - r / cutoff), fact("exponent of w_D"));
@@ -342,9 +344,8 @@ double friction_in_the_virial(Reference const& reference) {
     double integral = 0.0;
     for (std::size_t k = 0; k < g.x.size(); ++k)
         integral += g.y[k].value * (carried(g.x[k] + half) - carried(g.x[k] - half));
-    double const sphere = 2.0 * (d - 1.0) * std::numbers::pi;  // in two and three dimensions
     return -fact("gamma") * fact("timestep") * kT->estimate.value / (fact("mass") * d) * 0.5 * n * n *
-           sphere * integral;
+           theory::unit_sphere_surface(reference.dimension) * integral;
 }
 
 // As a note, where friction is a force that sees the velocities in the middle of a drift.
@@ -565,8 +566,6 @@ Averages average(std::vector<CodeOutput> const& outputs, Reference const& refere
 // --- verdicts --------------------------------------------------------------------------------------------
 
 namespace {
-
-double bin_width(CurveEstimate const& c) { return c.x.size() < 2 ? 0.0 : c.x[1] - c.x[0]; }
 
 // The bins that both have, by number.
 std::vector<std::pair<std::size_t, std::size_t>> common_bins(CurveEstimate const& curve,

@@ -154,8 +154,8 @@ struct Column {
 
 // The pressure without friction and noise, as dpdref has it, is not kept by LAMMPS where one pair style does
 // all forces. That of a soft potential follows from what `pair->single` gives, the conservative part: f r =
-// cutoff f - 2 U for each pair. Since 21 Nov 2023 LAMMPS wants to be told that these are pairs, not particles;
-// before, it does not know the word.
+// cutoff f - 2 U for each pair. Since 21 Nov 2023 LAMMPS wants to be told that these are pairs, not
+// particles; before, it does not know the word.
 std::string conservative_virial_lines(Scene const& scene) {
     if (!scene.stage<ModifiedVerlet>()) return "compute virial all pressure NULL virial\n";
     if (!scene.soft()) return "compute virial all pressure NULL pair/hybrid lj/cut\n";

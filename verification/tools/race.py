@@ -86,8 +86,8 @@ def race(program, lmp, name, repetitions, directory):
 def seconds_to_a_percent(program, lmp, name, repetitions, directory):
     """Per quantity: CPU seconds of LAMMPS and of dpdref until its error is 1 %, by the inverse-root law, and their ratio.
 
-    LAMMPS runs the deck as it is, whose neighbour settings are the best ones for this fluid. Both errors are compare's, by blocking. Squares of errors are averaged over runs with
-    other seeds; the ratio's error is that of its logarithm between them.
+    LAMMPS runs the deck as it is, whose neighbour settings are the best ones for this fluid. Both errors are compare's, by
+    blocking. Squares of errors are averaged over runs with other seeds; the ratio's error is that of its logarithm.
     """
     settings, quantities = FLUIDS[name]
     scene = FLUID_SCENES / f"{name}.toml"
@@ -99,12 +99,13 @@ def seconds_to_a_percent(program, lmp, name, repetitions, directory):
         ours, _ = cpu_seconds([program, "run", str(deck / "scene.toml"), "--out", "reference.h5"], deck)
         files = [file for file in ("scalars.dat", "msd.dat") if (deck / file).exists()]
         done = subprocess.run([program, "compare", *files, "--reference", "reference.h5", "--json"], cwd=deck, capture_output=True, text=True)
-        if done.returncode not in (0, 1):
+        if done.returncode not in (0, 1):  # 1: one disagrees, which is no matter here
             sys.exit(done.stderr)
         for row in json.loads(done.stdout)["comparisons"]:
             if row["quantity"] in costs:
-                for side, seconds, error, value in zip(costs[row["quantity"]], (theirs, ours), (row["error"], row["reference_error"]), (row["value"], row["reference"])):
-                    side.append(seconds * (error / (0.01 * value))**2)
+                of_theirs, of_ours = costs[row["quantity"]]
+                of_theirs.append(theirs * (row["error"] / (0.01 * row["value"]))**2)
+                of_ours.append(ours * (row["reference_error"] / (0.01 * row["reference"]))**2)
     for quantity, (theirs, ours) in costs.items():
         ratios = [math.log(a / b) for a, b in zip(theirs, ours)]
         spread = statistics.stdev(ratios) / math.sqrt(len(ratios)) if len(ratios) > 1 else math.nan

@@ -5,8 +5,8 @@
 #include <cstddef>
 
 /// @cond
-// flatten: a call of work(k) for every k would cost more than what it does. A build can define it to leave out an
-// instruction set (docs/performance.md).
+// flatten: a call of work(k) for every k would cost more than what it does. A build can define it to leave
+// out an instruction set (docs/performance.md).
 #if defined(DPDREF_WIDE)
 #elif defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define DPDREF_WIDE __attribute__((flatten, target_clones("avx512f", "avx2", "default")))
