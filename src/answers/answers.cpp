@@ -122,6 +122,13 @@ Answers load(std::filesystem::path const& directory, std::string const& budget, 
     auto interacting_table = root.required_table("interacting");
     auto const interacting_settings = settings_of(interacting_table, "settings");
     interacting_table.finish();
+    std::string pair_dpd;
+    std::vector<std::string> pair_dpd_settings;
+    if (auto of_lammps = root.table("pair_dpd")) {
+        pair_dpd = of_lammps->text("integrator", std::nullopt);
+        pair_dpd_settings = settings_of(*of_lammps, "settings");
+        of_lammps->finish();
+    }
 
     struct Effort {
         std::uint64_t seeds = 1;
@@ -197,7 +204,8 @@ Answers load(std::filesystem::path const& directory, std::string const& budget, 
                                fmt::format("sample.interval={}", in_steps(kind.interval))});
             if (fluid) overrides.push_back(fmt::format("time.longest={}", most_growth * duration));
             append(overrides, kind.settings);
-            if (repulsion > 0.0 && &kind == &at_rest) append(overrides, interacting_settings);
+            if (repulsion > 0.0 && &kind == &at_rest)
+                append(overrides, state.integrator == pair_dpd ? pair_dpd_settings : interacting_settings);
             if (kind.radial_interval > 0.0)
                 overrides.push_back(
                     fmt::format("sample.radial_distribution.interval={}", in_steps(kind.radial_interval)));

@@ -284,6 +284,7 @@ void find_forces(ModifiedVerlet const& stage, Potential const& potential, Simula
     double const* const v = particles.velocity.data();
     double* const force = simulation.force.data();
     PairVirials virials;
+    double friction_virial = 0.0;
     bool const walls = particles.has_walls();
     std::array<double, block_size> conservative, drag, friction;  // force, force per speed, force
     for_each_block(pairs, [&](PairBlock block) {
@@ -328,12 +329,15 @@ void find_forces(ModifiedVerlet const& stage, Potential const& potential, Simula
             virials.friction += sum_of_arms(view, block, friction.data());
             virials.thermostat += sum_of_arms(view, block, impulse);
         }
+        if (simulation.stage_stress.virial_wanted)
+            friction_virial += sum_of_virials(view, block, friction.data());
         // what find_friction_again will take off again
         if (stage.friction_again) std::copy_n(friction.data(), block.size(), impulse);
     });
     if (walls) forget_wall_forces(simulation, simulation.force);
     simulation.counters.potential_evaluations += pairs.count;
     simulation.pair_virials = virials;
+    simulation.stage_stress.friction_virial = friction_virial;
     simulation.forces_found();
 }
 

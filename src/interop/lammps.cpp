@@ -194,10 +194,10 @@ std::string scalar_lines(Scene const& scene) {
         lines += conservative_virial_lines(scene);
         columns.push_back({"pressure", fmt::format("{}*c_temperature/{}+{}", n - 1.0, scene.volume(),
                                                    conservative_virial_pressure(scene))});
-        if (scene.stage<ModifiedVerlet>()) {
-            lines += "compute lammps_pressure all pressure temperature\n";
-            columns.push_back({"lammps_pressure", "c_lammps_pressure"});
-        }
+    }
+    if (scene.stage<ModifiedVerlet>() && (sample.asks("pressure") || sample.asks("lammps_pressure"))) {
+        lines += "compute lammps_pressure all pressure temperature\n";
+        columns.push_back({"lammps_pressure", "c_lammps_pressure"});
     }
     if (sample.asks("stress")) {
         lines += stress_lines(scene);

@@ -63,14 +63,24 @@ struct Said {
     Facts facts;
     std::string integrator;  // empty: not said
     Words others;            // that cannot be a DPD fluid of the reference's kind
+    double shear_rate = 0.0;
+    bool flow_is_heat = false;
     UnitStyle const* units = unit_styles.data();
     std::string unit_name = "lj";
 };
 
+// Of `fix ID group deform N ... xy erate RATE ...`; 0 for another deformation.
+double rate_of_shear(Words const& fix) {
+    auto const xy = std::find(fix.begin() + 4, fix.end(), "xy");
+    if (fix.end() - xy < 3 || xy[1] != "erate") return 0.0;
+    return to_number(xy[2]).value_or(0.0);
+}
+
 // The last commands count; a fix is there until it is taken away.
 Said read_commands(CodeOutput const& output, int d) {
     Said said;
-    std::map<std::string, std::string> fixes;
+    std::map<std::string, Words> fixes, computes;
+    std::string thermo_temperature;
     Words style, pair, time_step;
     std::optional<double> mass;
     for (auto const& words : output.commands) {
@@ -83,7 +93,11 @@ Said read_commands(CodeOutput const& output, int d) {
             if (of_dpd) pair = words;
         }
         if (name == "mass" && words.size() > 2) mass = to_number(words[2]);
-        if (name == "fix" && words.size() > 3) fixes[words[1]] = plain_style(words[3]);
+        if (name == "fix" && words.size() > 3) fixes[words[1]] = words;
+        if (name == "compute" && words.size() > 3) computes[words[1]] = words;
+        if (auto const temp = std::find(words.begin(), words.end(), "temp");
+            name == "thermo_modify" && temp != words.end() && temp + 1 != words.end())
+            thermo_temperature = temp[1];
         if (name == "unfix" && words.size() > 1) fixes.erase(words[1]);
     }
     auto const units = std::find_if(unit_styles.begin(), unit_styles.end(),
@@ -96,10 +110,18 @@ Said read_commands(CodeOutput const& output, int d) {
     double volume = output.box.empty() ? 0.0 : 1.0;
     for (int axis = 0; axis < d && !output.box.empty(); ++axis) volume *= output.box[std::size_t(axis)];
     if (output.atoms > 0.0 && volume > 0.0) said.facts["density"] = output.atoms / volume;
-    for (auto const& [id, fix] : fixes)
+    for (auto const& [id, words] : fixes) {
+        std::string const fix = plain_style(words[3]);
         for (std::string_view const thermostat : {"nvt", "npt", "nph", "langevin", "temp/"})
             if (fix.starts_with(thermostat))
                 said.others.push_back(fmt::format("fix {} (reference: no such thermostat)", fix));
+        if (fix != "deform") continue;
+        said.shear_rate = rate_of_shear(words);
+        if (said.shear_rate == 0.0)
+            said.others.emplace_back("fix deform (reference: none but a shear, xy erate RATE)");
+        auto const compute = computes.find(thermo_temperature);
+        said.flow_is_heat = compute == computes.end() || plain_style(compute->second[3]) != "temp/deform";
+    }
     if (style.size() < 2) return said;
     // of hybrid styles the one of DPD, with what follows it
     auto const named = std::find_if(style.begin() + 1, style.end(),
@@ -139,10 +161,11 @@ Said read_commands(CodeOutput const& output, int d) {
     } catch (InputError const& error) {
         said.others.push_back(fmt::format("{} (not in dpdref)", one_line(error.what())));
     }
-    bool const shardlow =
-        std::any_of(fixes.begin(), fixes.end(), [](auto const& fix) { return fix.second == "shardlow"; });
-    bool const verlet = std::any_of(fixes.begin(), fixes.end(),
-                                    [](auto const& fix) { return fix.second.starts_with("nve"); });
+    auto const has_fix = [&](std::string_view begin) {
+        return std::any_of(fixes.begin(), fixes.end(),
+                           [&](auto const& fix) { return fix.second[3].starts_with(begin); });
+    };
+    bool const shardlow = has_fix("shardlow"), verlet = has_fix("nve");
     if (shardlow || verlet) said.integrator = shardlow ? s1 : step_of_pair_dpd;
     return said;
 }
@@ -209,6 +232,7 @@ LogCheck check_log(CodeOutput const& output, Reference const& reference) {
         return said.facts.contains(name) && said.facts.at(name) > 0.0 && reference.facts.contains(name);
     };
     auto const ratio = [&](char const* name) { return said.facts.at(name) / reference.facts.at(name); };
+    check.flow_is_heat = said.flow_is_heat;
     Facts facts = said.facts;
     // what the reference's units are in the log's, if both fluids are the same
     Units scale;
@@ -229,6 +253,7 @@ LogCheck check_log(CodeOutput const& output, Reference const& reference) {
             check.differences = as_they_are;
     } else if (!scaled) {
         check.temperature = check.energy = check.pressure = NAN;
+        if (said.shear_rate != 0.0) check.shear_rate = NAN;
         check.notes.push_back(fmt::format(
             "{}: units {}: {}, so that LAMMPS' own columns are not compared; --as COLUMN=quantity*factor "
             "converts one",
@@ -260,6 +285,7 @@ LogCheck check_log(CodeOutput const& output, Reference const& reference) {
         check.pressure =
             std::pow(scale.length, reference.dimension) / (scale.energy * said.units->density_to_pressure);
     }
+    check.shear_rate = said.shear_rate * parameter_unit("dt", scale, reference.dimension);
     return check;
 }
 

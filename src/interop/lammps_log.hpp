@@ -18,6 +18,8 @@ struct LogCheck {
     double temperature = 1.0;              ///< to an energy, kT
     double energy = 1.0;                   ///< energy
     double pressure = 1.0;                 ///< energy/length^d
+    double shear_rate = 0.0;               ///< of fix deform, 1/time of the reference; 0 without
+    bool flow_is_heat = false;             ///< whether the thermo table's temperature counts that flow
 };
 
 /// What the step of `pair dpd` with `fix nve` is called.

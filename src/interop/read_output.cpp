@@ -392,7 +392,8 @@ private:
 
     void read_command(std::string const& line, Words words) {
         static std::set<std::string> const names{"units", "timestep",  "pair_style",    "pair_coeff", "mass",
-                                                 "fix",   "dimension", "thermo_modify", "unfix"};
+                                                 "fix",   "dimension", "thermo_modify", "unfix",
+                                                 "compute"};
         static std::regex const box(R"(.*box = \((\S+) (\S+) (\S+)\) to \((\S+) (\S+) (\S+)\).*)");
         std::smatch found;
         if (names.contains(words[0])) {
@@ -431,9 +432,6 @@ private:
         output_.commands.resize(table.commands);
         for (auto const& words : output_.commands) {
             if (words[0] == "units" && words.size() > 1) output_.per_particle = words[1] == "lj";
-            if (words[0] == "fix" && words.size() > 3 && words[3] == "deform")
-                if (auto const rate = std::find(words.begin(), words.end(), "erate"); words.end() - rate > 1)
-                    output_.shear_rate = to_number(rate[1]);
             if (words[0] != "thermo_modify") continue;
             if (auto const norm = std::find(words.begin(), words.end(), "norm"); words.end() - norm > 1)
                 output_.per_particle = norm[1] == "yes";

@@ -38,9 +38,10 @@ struct CodeOutput {
     std::vector<std::vector<double>> g;     ///< samples of each bin
     CurveEstimate curve{};                  ///< or g(r) with errors
     std::vector<std::string> notes;         ///< what was left out
-    std::optional<double> shear_rate = {};  ///< if the file says it, as a deck's does; 0: at rest
+    std::optional<double> shear_rate = {};  ///< if the file says it as a number, as a deck's does; 0: at rest
     bool per_particle = true;               ///< whether a LAMMPS log's energies are
-    /// Commands of a LAMMPS log before the run, as words: units, timestep, pair_style, fix and others.
+    /// Commands of a LAMMPS log before the run, as words: units, timestep, pair_style, fix, compute and
+    /// others.
     std::vector<std::vector<std::string>> commands;
     double atoms = 0.0;            ///< as a LAMMPS log counts them; 0: not said
     std::vector<double> box;       ///< sides as a LAMMPS log has them, length; empty: not said

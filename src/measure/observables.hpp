@@ -28,6 +28,12 @@ public:
     double kinetic_temperature() const {
         return dpd::kinetic_temperature(simulation.particles, simulation.box);
     }
+    /// Of the kinetic temperature and of the virial of the conservative and of further forces; (N - 1) kT
+    /// counts the degrees of freedom that momentum leaves.
+    double pressure(double further_virial) {
+        return ((particles() - 1.0) * kinetic_temperature() + (potential().virial + further_virial) / d) /
+               simulation.box.volume();
+    }
     /// Sums over the pairs of the scene's potential; zero without one.
     PotentialSums const& potential() {
         if (!potential_)
@@ -69,12 +75,10 @@ inline constexpr std::tuple series_table{
            }},
     Series{"potential_energy", "potential_energy", false, Analysis::mean,
            [](auto& now) { return now.potential().energy / now.particles(); }},
-    // (N - 1) kT counts the degrees of freedom that momentum leaves
-    Series{"pressure", "pressure", false, Analysis::mean,
-           []<int d>(Instant<d>& now) {
-               return ((now.particles() - 1.0) * now.kinetic_temperature() + now.potential().virial / d) /
-                      now.simulation.box.volume();
-           }},
+    Series{"pressure", "pressure", false, Analysis::mean, [](auto& now) { return now.pressure(0.0); }},
+    // noise has mean zero at the positions at which it is drawn, and is left out
+    Series{"lammps_pressure", "lammps_pressure", false, Analysis::mean,
+           [](auto& now) { return now.pressure(now.simulation.stage_stress.friction_virial); }},
     Series{"configurational_temperature", "force_squared", false, Analysis::joint,
            [](auto& now) { return now.potential().force_squared / now.particles(); }},
     Series{"configurational_temperature", "laplacian", false, Analysis::joint,

@@ -48,13 +48,15 @@ struct PairVirials {
 /// Contributions to the stress sigma_xy that only the stage which makes them can see, averaged over its last
 /// step. Measured where wanted.
 struct StageStress {
-    bool wanted = false;     ///< whether a stress is sampled; else nothing is summed
-    bool streamed = false;   ///< kinetic and potential part have been measured
-    double kinetic = 0.0;    ///< part that particles carry
-    double potential = 0.0;  ///< part of conservative forces
-    double collision = 0.0;  ///< of thermal forces that act while streaming
-    double rescaling = 0.0;  ///< part that rescaling moves
-    double friction = 0.0;   ///< collision stress without the noise of each pair's own update
+    bool wanted = false;           ///< whether a stress is sampled; else nothing is summed
+    bool streamed = false;         ///< kinetic and potential part have been measured
+    double kinetic = 0.0;          ///< part that particles carry
+    double potential = 0.0;        ///< part of conservative forces
+    double collision = 0.0;        ///< of thermal forces that act while streaming
+    double rescaling = 0.0;        ///< part that rescaling moves
+    double friction = 0.0;         ///< collision stress without the noise of each pair's own update
+    bool virial_wanted = false;    ///< whether the friction's virial is sampled; else it is not summed
+    double friction_virial = 0.0;  ///< sum over pairs of f_D r, of the friction that found the present forces
 
     /// What the pairs contribute whose forces kick half a step from the virials `before` it and half from
     /// those `after`.

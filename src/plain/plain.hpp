@@ -258,7 +258,7 @@ struct Stages {
     void find_all_forces(ModifiedVerlet const& p, NoiseKey key) {
         need_pairs();
         f.setZero(N, d);
-        std::vector<double> conservative, dissipative, thermal;
+        std::vector<double> conservative, dissipative, thermal, along_r;
         for (std::size_t k = 0; k < list.count; ++k) {
             // [all forces]
             auto const ij = list.pair(k);
@@ -272,11 +272,13 @@ struct Stages {
             list.impulse[k] = p.friction_again ? f_d : f_d + f_r;
             conservative.push_back(moment(ij, f_c));
             dissipative.push_back(moment(ij, f_d));
+            along_r.push_back(f_d * ij.r);
             thermal.push_back(moment(ij, f_d + f_r));
         }
         forget_wall_forces(state, f);
         state.pair_virials = {sum_in_blocks(conservative), sum_in_blocks(thermal),
                               sum_in_blocks(dissipative)};
+        stress.friction_virial = sum_in_blocks(along_r);
         state.counters.potential_evaluations += list.count;
         state.counters.count_updates(list.count);
         state.forces_found();

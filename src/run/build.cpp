@@ -47,6 +47,7 @@ Simulation<d> build(Scene const& scene, std::function<void(Simulation<d>&)> samp
     simulation.hottest = divergence_factor * std::max(scene.kT, scene.thermostat_kT());
     simulation.pair_search.cutoff = scene.cutoff() > 0.0 ? scene.cutoff() : 1.0;
     simulation.stage_stress.wanted = scene.sample.asks("stress");
+    simulation.stage_stress.virial_wanted = scene.sample.asks("lammps_pressure");
     simulation.pair_search.search = scene.search;
     simulation.pair_search.order = scene.order;
     simulation.sample = std::move(sample);

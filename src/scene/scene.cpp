@@ -352,6 +352,10 @@ void check_stages(Scene const& scene, TomlReader const& root) {
     if (scene.sample.asks("friction_stress") && thermostats == 0 && !scene.stage<ModifiedVerlet>())
         root.fail("stages", fmt::format("have no friction_stress to sample; allowed: with {} or {}",
                                         names_of_stages(leaves_impulses), ModifiedVerlet::kind.name));
+    if (scene.sample.asks("lammps_pressure") && !scene.stage<ModifiedVerlet>())
+        root.fail("stages",
+                  fmt::format("have no friction that is a force, for lammps_pressure; allowed: with {}",
+                              ModifiedVerlet::kind.name));
     if (scene.wall_strength && !scene.soft())
         root.fail("walls", "have a strength without a soft potential; allowed: no strength");
     if (scene.wall > 0.0 && scene.opposed_flows())
@@ -360,7 +364,8 @@ void check_stages(Scene const& scene, TomlReader const& root) {
         if (!scene.stage<ModifiedVerlet>() || number_of(std::not_fn(knows_walls)) > 0)
             root.fail("stages",
                       fmt::format("do not know walls; allowed with walls: {}", names_of_stages(knows_walls)));
-        if (scene.sample.asks("stress") || scene.sample.asks("pressure") || scene.sample.radial_distribution)
+        if (scene.sample.asks("stress") || scene.sample.asks("pressure") ||
+            scene.sample.asks("lammps_pressure") || scene.sample.radial_distribution)
             root.fail("sample",
                       "asks for stress, pressure or radial_distribution, which mean nothing with walls");
         if (scene.wall < scene.cutoff())

@@ -467,38 +467,10 @@ BOOST_AUTO_TEST_CASE(a_pressure_with_friction_is_another_quantity) {
     BOOST_TEST(averages.notes.back().find("--as c_thermo_press=pressure") != std::string::npos);
     auto const forced = average({log}, reference, {renaming_from_text("c_thermo_press=pressure")}, {});
     BOOST_TEST(estimate_of(forced, "pressure").value == 23.5);
-}
-
-// What friction adds to it follows from g(r) to first order in the step: nothing for g = 1; for g = 1 beyond
-// r = 1/2 alone the integral of div((1-r)^2 r) is -4 pi (1/2)^3 (1/2)^2.
-BOOST_AUTO_TEST_CASE(the_pressure_with_friction_is_estimated_from_g) {
-    Reference reference{.name = "made up", .quantities = {{"pressure", {20.0, 0.1, 16}}}};
-    reference.quantities.push_back({"kinetic_temperature", {1.1, 0.001, 16}});
-    reference.facts = {{"mass", 2.0},   {"timestep", 0.04}, {"density", 3.0},
-                       {"cutoff", 1.0}, {"gamma", 4.5},     {"exponent of w_D", 2.0}};
-    reference.thermostat_forces = true;
-    reference.integrator = step_of_pair_dpd;
-    CodeOutput output;
-    output.file = "made up";
-    output.series = {{"lammps_pressure", {20.0, 21.0, 20.0, 21.0}}};
-    auto const notes = [&](auto&& g) {
-        reference.radial_distribution = {};
-        for (int bin = 0; bin < 60; ++bin) {
-            reference.radial_distribution.x.push_back((bin + 0.5) * 0.025);
-            reference.radial_distribution.y.push_back({g((bin + 0.5) * 0.025), 0.01, 16});
-        }
-        return fmt::format("{}", fmt::join(average({output}, reference, {}, {}).notes, "\n"));
-    };
-    double const hole = 4.5 * 0.04 * 1.1 / (2.0 * 3.0) * 0.5 * 9.0 * 4.0 * std::acos(-1.0) / 32.0;
-    BOOST_TEST(notes([](double r) { return r < 0.5 ? 0.0 : 1.0; })
-                   .find(fmt::format("friction adds {:.4g} to the reference's pressure, which makes {:.6g}",
-                                     hole, 20.0 + hole)) != std::string::npos);
-    BOOST_TEST(notes([](double) { return 1.0; }).find("which makes 20") != std::string::npos);
-    reference.integrator = "another";
-    BOOST_TEST(notes([](double) { return 1.0; }).find("friction") == std::string::npos);
-    reference.integrator = step_of_pair_dpd;
-    reference.facts.erase("gamma");
-    BOOST_TEST(notes([](double) { return 1.0; }).find("friction") == std::string::npos);
+    reference.quantities.push_back({"lammps_pressure", {23.4, 0.1, 16}});
+    auto const judged = average({log}, reference, {}, {});
+    BOOST_TEST(judged.notes.back().find("--as") == std::string::npos);
+    BOOST_TEST(compare(judged, reference, 0.05).comparisons.at(1).quantity == "lammps_pressure");
 }
 
 // A deck in shear says its rate; kT is then that of the flow, and what has no sheared reference has none.
@@ -526,6 +498,51 @@ BOOST_AUTO_TEST_CASE(a_flow_is_compared_with_the_flow) {
     auto const said = read_output(directory.write("t", "time,kinetic_temperature\n0,1.0\n1,1.5\n"));
     BOOST_TEST(estimate_of(average({said}, reference, {}, {}, true), "sheared_kinetic_temperature").value ==
                1.25);
+}
+
+// A log of fix deform is of a flow, too; what its temperature is depends on the compute.
+BOOST_AUTO_TEST_CASE(a_sheared_log_is_compared_with_the_flow) {
+    Directory const directory;
+    Reference reference = standard();
+    reference.shear_rate = 0.25;
+    reference.quantities.push_back({"sheared_kinetic_temperature", {1.2, 0.001, 100}});
+    auto const averaged = [&](std::string const& units, double time, std::string const& shear,
+                              std::string const& text) {
+        auto const log = replaced(text, "run 200\n", replaced(shear, "RATE", fmt::format("{}", 0.25 / time)));
+        auto const averages = average({read_output(directory.write("log", log))}, reference, {}, {});
+        BOOST_TEST_CONTEXT(units) BOOST_TEST(fmt::format("{}", fmt::join(averages.differences, "; ")) == "");
+        return averages;
+    };
+    double const mvv = 48.88821291 * 48.88821291, time = 7.1 * std::sqrt(54 * mvv / 0.6);
+    std::string const lj = log_of("lj", 1, 1, 1, 1, 1, 1),
+                      real = log_of("real", 0.6, 7.1, 54, 0.0019872067, mvv, 68568.415),
+                      deform = "fix 2 all deform 1 xy erate RATE remap v\nrun 200\n",
+                      peculiar = "compute c all temp/deform\nthermo_modify temp c\n";
+    for (auto const& [units, unit, log] : {std::tuple{"lj", 1.0, lj}, std::tuple{"real", time, real}}) {
+        auto const flow = averaged(units, unit, peculiar + deform, log);
+        BOOST_TEST(estimate_of(flow, "sheared_kinetic_temperature").value == 1.2,
+                   boost::test_tools::tolerance(1e-6));
+        BOOST_TEST(!find_quantity(flow.quantities, "kinetic_temperature"));
+        auto const heat = averaged(units, unit, deform, log);
+        for (auto const* const name :
+             {"kinetic_temperature", "sheared_kinetic_temperature", "lammps_pressure"})
+            BOOST_TEST(!find_quantity(heat.quantities, name));
+        BOOST_TEST(find_quantity(heat.quantities, "Temp"));
+        BOOST_TEST(find_quantity(heat.quantities, "sheared_potential_energy"));
+    }
+    auto const differences = [&](std::string const& fix) {
+        auto const log = read_output(directory.write("log", replaced(lj, "run 200\n", fix + "\nrun 200\n")));
+        return average({log}, reference, {}, {}).differences;
+    };
+    BOOST_TEST(differences("fix 2 all deform 1 xy erate 0.5").size() == 1u);
+    BOOST_TEST(differences("fix 2 all deform 1 x erate 0.25").size() == 1u);
+    BOOST_TEST(differences("fix 2 all deform 1 xy erate 0.25\nunfix 2").empty());
+    // a file beside the log, whose temperature is compute temp's
+    auto const beside = read_output(
+        directory.write("ave", "# Time-averaged data for fix s\n# TimeStep c_thermo_temp\n10 1.0\n20 1.2\n"));
+    auto const log = read_output(
+        directory.write("log", replaced(lj, "run 200\n", "fix 2 all deform 1 xy erate 0.25\nrun 200\n")));
+    BOOST_TEST(!find_quantity(average({log, beside}, reference, {}, {}).quantities, "kinetic_temperature"));
 }
 
 BOOST_AUTO_TEST_CASE(a_factor_that_is_known_is_named) {

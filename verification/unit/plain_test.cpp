@@ -75,8 +75,9 @@ Numbers numbers_of(Simulation<d>& simulation, bool rows_by_id) {
     auto const& stress = simulation.stage_stress;
     auto const& virials = simulation.pair_virials;
     if (rows_by_id) all.add("kinetic stress", stress.kinetic);
-    for (double const x : {double(stress.streamed), stress.potential, stress.collision, stress.rescaling,
-                           stress.friction, virials.potential, virials.thermostat, virials.friction})
+    for (double const x :
+         {double(stress.streamed), stress.potential, stress.collision, stress.rescaling, stress.friction,
+          stress.friction_virial, virials.potential, virials.thermostat, virials.friction})
         all.add("stress", x);
     auto const& counters = simulation.counters;
     for (std::uint64_t const n : {counters.steps, counters.searches, counters.pairs_found,
@@ -96,7 +97,7 @@ std::vector<Numbers> run_by(Engine engine, Scene scene, int steps) {
     constexpr std::uint64_t earlier_steps = 1013;
     simulation.step = earlier_steps;
     simulation.time = double(earlier_steps) * simulation.time_step;
-    simulation.stage_stress.wanted = true;
+    simulation.stage_stress.wanted = simulation.stage_stress.virial_wanted = true;
     if (!scene.potential() || scene.soft())  // a pair without direction
         simulation.particles.position.row(1) = simulation.particles.position.row(0);
     for (int s = 0; s < steps; ++s) simulation.advance();

@@ -71,6 +71,14 @@ double sum_of_arms(PairView<d> const& view, PairBlock block, double const* f) {
     return sum_in_blocks({moment.data(), block.size()});
 }
 
+/// The sum of f r over the pairs of a block, f[0] that of its first.
+template <int d>
+double sum_of_virials(PairView<d> const& view, PairBlock block, double const* f) {
+    std::array<double, block_size> virial;
+    for (std::size_t k = 0; k < block.size(); ++k) virial[k] = f[k] * view.distance[block.begin + k];
+    return sum_in_blocks({virial.data(), block.size()});
+}
+
 /// Calls visit(k, speed) for every pair of the block, one after the other, where `speed` is that of j's image
 /// along x: zero, known at compile time, except across a sheared boundary. `visit` should hold what it reads
 /// by value: what it holds by reference is loaded again after every store.
