@@ -330,6 +330,14 @@ namespace {
 
 double bin_width(CurveEstimate const& c) { return c.x.size() < 2 ? 0.0 : c.x[1] - c.x[0]; }
 
+// Of one quantity: a series for each run.
+struct Samples {
+    std::vector<std::vector<double>> runs;
+    bool independent = false;  // one after the other; else errors are by blocking
+
+    Estimate estimate() const { return independent ? pool(runs) : combine(runs); }
+};
+
 // Gathers the averages of one file after the other.
 class Averager {
 public:
@@ -376,19 +384,19 @@ public:
     }
 
     void finish() {
-        for (auto& [quantity, runs] : runs_)
-            if (runs.size() > 1)
+        for (auto& [quantity, samples] : samples_)
+            if (samples.runs.size() > 1)
                 for (auto& known : averages.quantities)
-                    if (known.name == quantity) known.estimate = combine(runs);
+                    if (known.name == quantity) known.estimate = samples.estimate();
         for (auto const& renaming : renamings_)
             if (!columns_.contains(renaming.column))
                 throw InputError(fmt::format("--as: there is no column {}; allowed: {}", renaming.column,
                                              fmt::join(columns_, ", ")));
         std::size_t family = 0;
-        for (auto const& [quantity, runs] : runs_) family += runs.size();
-        for (auto const& [quantity, runs] : runs_)
-            for (auto const& samples : runs)
-                if (drifts(samples, family))
+        for (auto const& [quantity, samples] : samples_) family += samples.runs.size();
+        for (auto const& [quantity, samples] : samples_)
+            for (auto const& run : samples.runs)
+                if (drifts(run, family))
                     averages.notes.push_back(
                         fmt::format("{}: its first and second half differ by more than chance: not in "
                                     "equilibrium? (--discard)",
@@ -469,9 +477,11 @@ private:
         return rest;
     }
 
-    void add_samples(std::string const& quantity, std::vector<double> samples, CodeOutput const& output) {
-        add_estimate(quantity, blocking(samples), output);
-        runs_[quantity].push_back(std::move(samples));
+    void add_samples(std::string const& quantity, Samples const& samples, CodeOutput const& output) {
+        add_estimate(quantity, samples.estimate(), output);
+        auto& known = samples_[quantity];
+        known.independent = samples.independent;
+        known.runs.push_back(samples.runs.front());
     }
 
     void add_series(CodeOutput const& output) {
@@ -490,7 +500,7 @@ private:
         for (auto const& [column, series] : output.series) {
             if (lag && squares && (&series == lag || &series == squares)) continue;
             auto const [quantity, factor, definition] = use(output, column);
-            add_samples(quantity, rest_of(output, series, factor), output);
+            add_samples(quantity, {{rest_of(output, series, factor)}}, output);
         }
         if (!lag || !squares) return;
         if (lag->size() != squares->size())
@@ -499,7 +509,9 @@ private:
                             output.file, lag->size(), squares->size()));
         std::string const name = use(output, "diffusion_constant").quantity;
         columns_.erase("diffusion_constant");
-        add_samples(name, diffusion_by_origin(*lag, *squares, first, reference_.components), output);
+        // an origin begins where the one before ended; blocks of several would leave too few of them
+        add_samples(name, {{diffusion_by_origin(*lag, *squares, first, reference_.components)}, true},
+                    output);
     }
 
     void add_curve(CodeOutput const& output) {
@@ -527,7 +539,7 @@ private:
     std::map<CodeOutput const*, LogCheck> logs_;
     std::map<std::string, CodeOutput const*> source_;  // of each quantity
     std::set<std::string> columns_;
-    std::map<std::string, std::vector<std::vector<double>>> runs_;  // samples of each quantity
+    std::map<std::string, Samples> samples_;  // of each quantity
 };
 
 }  // namespace
