@@ -142,7 +142,8 @@ def criteria(claim, rows):
 
 def verdict_of_rows(claim, rows):
     found = [row["verdict"] for selector in as_list(claim["comparison"]) for row in select(rows, selector)]
-    verdict = NO if "disagrees" in found else OPEN if "undecided" in found else YES
+    # where the claim has a number of its own, the row's verdict is about another
+    verdict = YES if "claimed" in claim else NO if "disagrees" in found else OPEN if "undecided" in found else YES
     if claim.get("inverts"):
         return {YES: NO, NO: YES, OPEN: OPEN}[verdict]
     return worst([verdict, *criteria(claim, rows)]) if verdict == YES else verdict
