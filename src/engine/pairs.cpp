@@ -92,7 +92,7 @@ double PairSearch<d>::margin(Box<d> const& box) const {
 template <int d>
 void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const& box, double time) {
     // Cells of a cutoff, or wider in a dilute system: about one particle each is enough.
-    double const spacing = root(box.volume() / std::max<double>(1.0, double(particles.size())), d);
+    double const spacing = nth_root(box.volume() / std::max<double>(1.0, double(particles.size())), d);
     double const width = std::max(cutoff, spacing);
     for (int axis = 0; axis < d; ++axis)
         cells_[axis] = static_cast<int>(box.length[axis] / std::min(width, box.length[axis] / 2.0) *

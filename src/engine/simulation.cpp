@@ -107,7 +107,7 @@ void put_on_lattice(Particles<d>& particles, Box<d> const& box, Eigen::Index fir
                     double bottom, double top) {
     Vec<d> length = box.length;
     length[1] = top - bottom;
-    double const spacing = root(Box<d>{.length = length}.volume() / double(count), d);
+    double const spacing = nth_root(Box<d>{.length = length}.volume() / double(count), d);
     std::array<Eigen::Index, d> sides;
     Eigen::Index sites = 1;
     for (int axis = 0; axis < d; ++axis) {

@@ -71,7 +71,7 @@ inline double cube_root(double x) {
 }
 
 /// x^(1/d) for d = 2 and 3.
-inline double root(double x, int d) { return d == 2 ? std::sqrt(x) : cube_root(x); }
+inline double nth_root(double x, int d) { return d == 2 ? std::sqrt(x) : cube_root(x); }
 
 /// The coefficients of sin(2 pi u) = u (c[0] + c[1] u^2 + ...), Taylor's series.
 inline constexpr auto sine_of_turn_series = [] {
