@@ -21,6 +21,16 @@ addEventListener("load", () => {
     else solutions(false)
 })
 
+// The sidebar shows the parts of the book from the beginning; Doxygen makes its items some time after the page is loaded.
+addEventListener("load", () => {
+    const unfold = tries => {
+        const book = document.querySelector('#nav-tree a[class="book.html"]'), arrow = book && book.closest(".item").querySelector(".arrow")
+        if (!arrow && tries) setTimeout(unfold, 50, tries - 1)
+        else if (arrow && arrow.textContent === "\u25ba") arrow.parentElement.click()
+    }
+    unfold(100)
+})
+
 const BookSearch = {
     // `Figure 3b` and `equation 12` are `Fig. 3b` and `eq. 12`
     words: text => (text.toLowerCase().normalize("NFKD").replace(/[\u0300-\u036f]/g, "").match(/[\p{L}\p{N}]+/gu) || [])

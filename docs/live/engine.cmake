@@ -1,5 +1,5 @@
 # The engine of the live pages: target live_engine, BUILD/live/live_engine.js, where emscripten is (Debian package emscripten).
-# One file that holds the WebAssembly, too, so that it works from the file system. It is built when something asks for it.
+# and live_engine.wasm beside it, both of which docs/live/scripts.py puts into the book. They are built when something asks for them.
 find_program(DPDREF_EMCC emcc)
 find_program(DPDREF_NODE NAMES node nodejs)
 mark_as_advanced(DPDREF_EMCC DPDREF_NODE)
@@ -22,16 +22,25 @@ if(NOT EXISTS ${DPDREF_LIVE}/include/mmintrin.h)
     file(WRITE ${DPDREF_LIVE}/include/mmintrin.h "")
 endif()
 
-# All rooms that a running scene stands on, without what keeps files of results.
-foreach(room base model plain engine engine/fast measure scene run live)
-    file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${room}/*.cpp)
-    list(APPEND DPDREF_LIVE_SOURCES ${sources})
+# All rooms that a running scene stands on, without the plain engine and what keeps files of results, in a few units: headers take most of
+# the compiler's time. So no two files of a unit may have a name in common, and registry.cpp, which has a `quoted` of its own, stands alone,
+# away from <iomanip>. What takes time when it runs is compiled for speed, the rest for
+# size; of what several units have the linker takes the first.
+set(DPDREF_LIVE_fast engine engine/fast measure)
+set(DPDREF_LIVE_small base model scene run live)
+foreach(unit fast small)
+    foreach(room ${DPDREF_LIVE_${unit}})
+        file(GLOB found CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${room}/*.cpp)
+        list(APPEND DPDREF_LIVE_${unit}_sources ${found})
+    endforeach()
+endforeach()
+file(GLOB DPDREF_LIVE_theory_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/theory/*.cpp)
+set(DPDREF_LIVE_registry_sources ${PROJECT_SOURCE_DIR}/theory/registry.cpp)
+list(REMOVE_ITEM DPDREF_LIVE_theory_sources ${DPDREF_LIVE_registry_sources})
+list(APPEND DPDREF_LIVE_small_sources ${PROJECT_SOURCE_DIR}/docs/live/left_out.cpp)
+foreach(room ${DPDREF_LIVE_fast} ${DPDREF_LIVE_small} plain)
     list(APPEND DPDREF_LIVE_OPTIONS -I${PROJECT_SOURCE_DIR}/src/${room})
 endforeach()
-file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/theory/*.cpp)
-list(APPEND DPDREF_LIVE_SOURCES ${sources})
-list(APPEND DPDREF_LIVE_SOURCES ${PROJECT_SOURCE_DIR}/docs/live/no_files.cpp)
-list(FILTER DPDREF_LIVE_SOURCES EXCLUDE REGEX "/(archive|configuration|hdf5|trajectory|signals|codes|conventions|integrators|checkpoint|run|tune)[.]cpp$")
 
 # SSE2, which emscripten translates: so Eigen sums in the order of the native program, and bits are the same;
 # it would write assembler for compilers of another age than this one says it has.
@@ -43,15 +52,23 @@ list(APPEND DPDREF_LIVE_OPTIONS -std=c++20 -ffp-contract=off -fno-math-errno -fn
     -DFMT_HEADER_ONLY -DBOOST_MATH_PROMOTE_DOUBLE_POLICY=false -DHWY_COMPILE_ONLY_EMU128 -DDPDREF_PLAIN_TEXT="" -include ${PROJECT_SOURCE_DIR}/docs/live/emscripten.h
     -I${DPDREF_LIVE}/include -I${PROJECT_BINARY_DIR}/generated -I${PROJECT_SOURCE_DIR})
 set(objects "")
-foreach(source ${DPDREF_LIVE_SOURCES})
-    file(RELATIVE_PATH object ${PROJECT_SOURCE_DIR} ${source})
-    string(REPLACE "/" "_" object ${object})
-    set(object ${DPDREF_LIVE}/${object}.o)
-    add_custom_command(OUTPUT ${object}
-        COMMAND ${DPDREF_LIVE_COMPILE} ${DPDREF_LIVE_OPTIONS} -MD -MF ${object}.d -c ${source} -o ${object}
-        DEPENDS ${source} ${PROJECT_SOURCE_DIR}/docs/live/emscripten.h DEPFILE ${object}.d
-        COMMENT "WebAssembly: ${source}" VERBATIM)
-    list(APPEND objects ${object})
+foreach(unit fast theory registry small)
+    set(sources ${DPDREF_LIVE_${unit}_sources})
+    list(FILTER sources EXCLUDE REGEX
+         "/(archive|configuration|hdf5|trajectory|signals|progress|codes|conventions|integrators|plain_stages|checkpoint|run|until|tune)[.]cpp$")
+    list(TRANSFORM sources REPLACE "(.+)" "#include \"\\1\"\n")
+    list(JOIN sources "" text)
+    set(source ${DPDREF_LIVE}/${unit}.cpp)
+    file(CONFIGURE OUTPUT ${source} CONTENT "${text}" @ONLY)
+    set(for_size "")
+    if(unit STREQUAL "small")
+        set(for_size -Os)
+    endif()
+    add_custom_command(OUTPUT ${source}.o
+        COMMAND ${DPDREF_LIVE_COMPILE} ${DPDREF_LIVE_OPTIONS} ${for_size} -MD -MF ${source}.d -c ${source} -o ${source}.o
+        DEPENDS ${source} ${PROJECT_SOURCE_DIR}/docs/live/emscripten.h DEPFILE ${source}.d
+        COMMENT "WebAssembly: ${unit}" VERBATIM)
+    list(APPEND objects ${source}.o)
 endforeach()
 
 set(DPDREF_LIVE_ENGINE ${DPDREF_LIVE}/live_engine.js)
@@ -62,8 +79,8 @@ foreach(line ${lines})
     list(APPEND exports _${name})
 endforeach()
 list(JOIN exports "," exports)
-add_custom_command(OUTPUT ${DPDREF_LIVE_ENGINE}
-    COMMAND ${DPDREF_LIVE_COMPILE} ${objects} -o ${DPDREF_LIVE_ENGINE} -sSINGLE_FILE -sMODULARIZE -sEXPORT_NAME=DpdrefEngine
+add_custom_command(OUTPUT ${DPDREF_LIVE_ENGINE} ${DPDREF_LIVE}/live_engine.wasm
+    COMMAND ${DPDREF_LIVE_COMPILE} ${objects} -o ${DPDREF_LIVE_ENGINE} -sMODULARIZE -sEXPORT_NAME=DpdrefEngine
             -sALLOW_MEMORY_GROWTH -sENVIRONMENT=web,worker,node -sEXPORTED_FUNCTIONS=${exports} -sEXPORTED_RUNTIME_METHODS=cwrap --no-entry
     DEPENDS ${objects} COMMENT "The live pages' engine" VERBATIM)
 add_custom_target(live_engine DEPENDS ${DPDREF_LIVE_ENGINE})

@@ -18,15 +18,23 @@ const Live = {
     // The engine's text as a script of its own: of the page, and of a worker for what takes seconds.
     source: (...parts) => URL.createObjectURL(new Blob(parts, { type: "text/javascript" })),
 
+    // The engine's WebAssembly: a page opened from the file system may read no other file, so it comes packed in a script.
+    async unpacked() {
+        const packed = Uint8Array.from(atob(window.liveEngine.packed), letter => letter.charCodeAt(0))
+        const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))
+        return new Uint8Array(await new Response(stream).arrayBuffer())
+    },
+
     // Closed forms that take seconds, [[id, assignments], ...], away from the page; `done(values)`.
     slowTheory(asked, done) {
-        const work = `DpdrefEngine().then(module => {
+        const work = `onmessage = ({ data }) => DpdrefEngine({ wasmBinary: data }).then(module => {
             const theory = module.cwrap("live_theory", "string", ["string", "string"])
             postMessage(${JSON.stringify(asked)}.map(([id, given]) => JSON.parse(theory(id, given.join("\\n"))).value))
         })`
-        const worker = new Worker(Live.source(window.liveEngine, "\n", work))
+        const worker = new Worker(Live.source(window.liveEngine.script, "\n", work))
         worker.onmessage = message => { worker.terminate(); done(message.data.map(Live.number)) }
         worker.onerror = () => { worker.terminate(); done(asked.map(() => NaN)) }
+        worker.postMessage(Live.wasmBinary)
         return worker
     },
 
@@ -176,11 +184,11 @@ const Live = {
         return found
     },
 
-    // Curves: {x: [from, to], y: [from, to], logX, logY, labels: [x, y], marks: [{x, text}],
+    // Curves: {x: [from, to], y: [from, to], logX, logY, labels: [x, y], marks: [{x, text}], lowKey: the key at the lower left,
     // series: [{name, x, y, error, kind: "line" | "points" | "open", dashed, colour, faint}]}
-    plot(canvas, { x, y, logX = false, logY = false, labels, series, marks = [] }) {
+    plot(canvas, { x, y, logX = false, logY = false, labels, series, marks = [], lowKey = false }) {
         const { context: c, width, height } = Live.prepare(canvas, 0.8)
-        const { ink, faint, line, series: palette } = Live.colours()
+        const { ink, faint, line, back, series: palette } = Live.colours()
         const box = { left: 54, right: width - 18, top: 12, bottom: height - 42 }
         const to = (range, log, a, b) => value => {
             const [from, until] = log ? range.map(Math.log10) : range
@@ -238,8 +246,15 @@ const Live = {
             c.globalAlpha = 1
         })
         c.restore()
-        // the key, in a corner that the page chooses by the order of its series: upper left
-        let row = box.top + 14
+        // the key, which a narrow screen may lay over a curve, and so on a ground of its own
+        const named = series.filter(s => s.name), tall = 16 * named.length
+        let row = lowKey ? box.bottom - tall + 6 : box.top + 14
+        if (named.length) {
+            c.globalAlpha = 0.8
+            c.fillStyle = back
+            c.fillRect(box.left + 1, row - 13, 40 + Math.max(...named.map(s => c.measureText(s.name).width)), tall + 2)
+            c.globalAlpha = 1
+        }
         series.forEach((s, number) => {
             if (!s.name) return
             c.strokeStyle = c.fillStyle = s.colour || palette[number % palette.length]
@@ -432,8 +447,9 @@ const Live = {
         }
         try {
             await Live.load("live_engine.js")
-            await Live.load(Live.source(window.liveEngine))
-            const engine = Live.wrap(await window.DpdrefEngine())
+            await Live.load(Live.source(window.liveEngine.script))
+            Live.wasmBinary = await Live.unpacked()
+            const engine = Live.wrap(await window.DpdrefEngine({ wasmBinary: Live.wasmBinary }))
             for (const place of places) Live.start(place, engine)
         } catch (error) {
             console.error("live pages: " + error.message)

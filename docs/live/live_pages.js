@@ -138,7 +138,7 @@
                 const t = page.errors.map(e => e.time), last = Math.max(1000, t[t.length - 1] || 0)
                 const first = page.errors.length ? page.errors[Math.floor(page.errors.length / 2)] : null
                 const line = first ? [10, last].map(x => first.of[1] * Math.sqrt(first.time / x)) : []
-                Live.plot(canvas, { x: [10, last], y: [1e-4, 1], logX: true, logY: true, labels: ["time measured", "standard error"],
+                Live.plot(canvas, { x: [10, last], y: [1e-4, 1], logX: true, logY: true, lowKey: true, labels: ["time measured", "standard error"],
                     series: [...page.parts.map(([name], k) => ({ name, kind: "line", x: t, y: page.errors.map(e => e.of[k]) })),
                         { name: "time to the −1/2", kind: "line", dashed: true, colour: Live.colours().faint, x: first ? [10, last] : [], y: line }] })
             },
@@ -214,7 +214,7 @@
             caption: "Temperature against y by the three ways of rescaling. Heat is made where the two flows meet, at the ends and in the middle of the axis; one factor for all takes it away everywhere alike.",
             draw(canvas, page) {
                 const curves = Object.keys(ways).map(key => ({ name: ways[key], kind: "points", ...page.scenes[key].curve("temperature_profile") }))
-                const top = Math.max(1.5, ...curves.flatMap(c => c.y.map(Live.number).filter(Number.isFinite))) * 1.25
+                const top = Math.max(1.5, ...curves.flatMap(c => c.y.map(Live.number).filter(Number.isFinite))) * 1.5
                 Live.plot(canvas, { x: [0, 20], y: [0, top], labels: ["y", "temperature kT"], series: curves.map(c => ({ ...c, error: c.error.map(Live.number) })) })
             },
         }],

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""The scripts of the live pages that are made: live_scenes.js, the scenes of verification/scenes/live, and live_engine.js, the text of
-their engine, which the page runs and gives to its workers: so it needs no server.
+"""The scripts of the live pages that are made: live_scenes.js, the scenes of verification/scenes/live, and live_engine.js, their
+engine: its script as text, which the page runs and gives to its workers, and its WebAssembly, packed by gzip, so that both come from the
+file system.
 
 usage: scripts.py FOLDER [ENGINE]     FOLDER as Doxygen made it; without ENGINE the pages stand still, and the script says so.
 Python's standard library only.
 """
 
+import base64
+import gzip
 import json
 import pathlib
 import sys
@@ -17,8 +20,10 @@ def main(folder, engine=None):
     folder = pathlib.Path(folder)
     text = "// this book was built without emscripten: its live pages stand still\n"
     if engine:
-        source = pathlib.Path(engine).read_text(encoding="utf-8")
-        (folder / "live_engine.js").write_text(f"window.liveEngine = {json.dumps(source)}\n", encoding="utf-8")
+        engine = pathlib.Path(engine)
+        packed = base64.b64encode(gzip.compress(engine.with_suffix(".wasm").read_bytes(), mtime=0)).decode()
+        parts = {"script": engine.read_text(encoding="utf-8"), "packed": packed}
+        (folder / "live_engine.js").write_text(f"window.liveEngine = {json.dumps(parts)}\n", encoding="utf-8")
         scenes = {file.stem: file.read_text(encoding="utf-8") for file in sorted((ROOT / "verification/scenes/live").glob("*.toml"))}
         text = f"window.liveScenes = {json.dumps(scenes, indent=1)}\n"
     (folder / "live_scenes.js").write_text(text, encoding="utf-8")

@@ -61,9 +61,10 @@ CASES = {
 
 IN_NODE = r"""
 const [engine, text, steps, overrides] = process.argv.slice(2)
-require(engine)().then(module => {
+const files = require("fs")
+require(engine)({ wasmBinary: files.readFileSync(engine.replace(/js$/, "wasm")) }).then(module => {
     const call = (name, result, types) => module.cwrap("live_" + name, result, types)
-    const scene = call("begin", "number", ["string", "string"])(require("fs").readFileSync(text, "utf8"), overrides)
+    const scene = call("begin", "number", ["string", "string"])(files.readFileSync(text, "utf8"), overrides)
     const fail = () => { console.error(call("message", "string", [])()); process.exit(1) }
     if (!scene) fail()
     if (call("advance", "number", ["number", "number"])(scene, Number(steps)) > 1) fail()

@@ -7,6 +7,7 @@ usage: page.py FILE        prints the page with
                            @figure{ID}: the picture, with its caption from docs/captions.toml and a link to its definition,
                            @live{NAME}: what docs/live/live_pages.js has under that name (in a comment, so that README.md hides it),
                            \\solution ... \\endsolution: what a reader unfolds,
+                           the groups of docs/book.md as pages between the book and its pages, which make the sidebar a tree,
                            previous, contents and next at its end, in the order of docs/book.md; of a page below one of these, that one
        page.py --check     every page is in the contents and opens with a question, every picture has a caption; exercises and their
                            commands are counted
@@ -93,6 +94,20 @@ def ends(text):
     return "\n\n<div class=\"path\">\n" + "\n".join(links) + "\n</div>\n"
 
 
+def grouped(text):
+    """docs/book.md with a page for each group of its pages"""
+    groups = []
+
+    def group(match):
+        title, said, entries = match.groups()
+        label = "part-" + re.sub(r"\W+", "-", title.lower())
+        groups.append(f"\n\\page {label} {title}\n\n{entries}\n<div class=\"path\"><span class=\"contents-link\">\\ref book \"Contents\"</span></div>\n")
+        return f"<b>\\subpage {label} \"{title}\"</b>{said}\n\n" + entries.replace("\\subpage", "\\ref")
+
+    text = re.sub(r"^\*\*(.+?)\*\*(.*)\n\n?((?:(?:\d+\.|-) \\subpage .*\n)+)", group, text, flags=re.MULTILINE)
+    return text + "".join(groups)
+
+
 def words(text):
     """The table of the glossary as a list, which fits a phone, each word with an anchor, which the search leads to"""
     head, _, rows = text.partition("| word | meaning | more |\n|---|---|---|\n")
@@ -119,6 +134,8 @@ def made(file):
     text = equations.labelled(file)
     if file.name == "glossary.md":
         text = words(text)
+    if file.name == "book.md":
+        text = grouped(text)
     text = LIVE.sub(lambda match: live(match[1]), text)
     text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
     text = measured.drawn(text)
