@@ -13,7 +13,8 @@ namespace dpd::theory {
 
 /// Of a function.
 struct ZeroAndSlope {
-    double zero, slope;
+    double zero;   ///< where it is zero
+    double slope;  ///< its slope there
 };
 
 /// The zero of a function between two bounds, to 14 bits, and its slope there: with the slope of a coarse
@@ -34,6 +35,7 @@ ZeroAndSlope zero_and_slope(Function const& function, double lowest, double high
 /// A number that gets better with the degree of the polynomials.
 class Sequence {
 public:
+    /// Of the next degree.
     void add(double value) { values_.push_back(value); }
     /// What the last five tend to, or three, if they close in like a sum of geometric series.
     double limit() const { return limit(values_.size()); }
@@ -70,7 +72,8 @@ private:
 
 /// The limit of a Sequence, and its change.
 struct Converged {
-    double value, error;
+    double value;  ///< the limit
+    double error;  ///< how far off it may be
 };
 
 }  // namespace dpd::theory
