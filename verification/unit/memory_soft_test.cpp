@@ -165,7 +165,7 @@ BOOST_AUTO_TEST_CASE(agrees_with_pairs_that_are_followed) {
     Encounter const pair{3, Shardlow{4.5}, 2.0, 0.0, repelling()};
     constexpr int degree = 12;
     Values const expected = solved(pair, degree);
-    auto const followed = follow(pair, 20000, 0.01, 5.0);
+    auto const followed = follow(pair, 80000, 0.02, 3.5);
     for (std::size_t q = 0; q < quantities; ++q)
         BOOST_TEST(std::abs(followed.mean[q] - expected[q]) < 4.0 * followed.error[q],
                    labels[q] << ": followed " << followed.mean[q] << " +- " << followed.error[q]
