@@ -42,7 +42,8 @@ struct SoftCollisionViscosity {
 
 /// Collision viscosity of the fluid with S1 and a soft potential in continuous time. `box` as in memory.hpp.
 /// Where the potential vanishes, the sum without `waves` is the collision viscosity of transport_with_memory.
-/// Takes some seconds. Throws std::domain_error where the friction has no self-consistent value.
+/// Takes ten seconds to a minute, longest in thin media. Throws std::domain_error where the friction has no
+/// self-consistent value.
 SoftCollisionViscosity collision_viscosity_with_memory(Gas const& gas, Shardlow const& thermostat,
                                                        Soft const& potential, PairTable const& measured = {},
                                                        double box = std::numeric_limits<double>::infinity());
