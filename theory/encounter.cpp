@@ -20,10 +20,11 @@ using namespace encounter;
 // -----------------------------------------------------------------------------------------------------------
 // Velocities
 
-/// Share of an even function in what streaming makes of it in an odd one: slope d/dr + rotation/r.
+/// Share of an even function in what streaming makes of it in an odd one: slope d/dr + rotation/r + pushed
+/// (mean force).
 struct Coupling {
     int from;
-    double slope, rotation;
+    double slope, rotation, pushed;
 };
 
 /// Functions of the velocity that turn with r^ like a tensor of rank `rank` (1 or 2), up to a degree: the
@@ -71,13 +72,13 @@ private:
         auto const [m, i, p] = even[k];
         int const e = even[k].tangential_degree();
         double const a = laguerre_index(d_, m);
-        auto const add = [&](VelocityFunction to, double slope, double rotation) {
+        auto const add = [&](VelocityFunction to, double slope, double rotation, double pushed = 0.0) {
             int const row = odd_index(to.m, to.i, to.p);
-            if (row >= 0) streaming[row].push_back({k, slope, rotation});
+            if (row >= 0) streaming[row].push_back({k, slope, rotation, pushed});
         };
         // along r^, and the centrifugal change of u_r and |u_t|
         add({m, i + 1, p}, std::sqrt(i + 1.0), -std::sqrt(i + 1.0) * e);
-        add({m, i - 1, p}, std::sqrt(i), std::sqrt(i) * (e + d_ - 1));
+        add({m, i - 1, p}, std::sqrt(i), std::sqrt(i) * (e + d_ - 1), std::sqrt(i));
         add({m, i - 1, p + 1}, 0.0, -2.0 * std::sqrt(i * (p + 1) * (p + a + 1.0)));
         add({m, i + 1, p - 1}, 0.0, 2.0 * std::sqrt((i + 1) * p * (p + a)));
         // r^ turns
@@ -105,7 +106,7 @@ struct Block {
     ElementMatrix matrix;
 };
 
-constexpr int elements_inside = 8;
+constexpr int elements_inside = 8, elements_inside_a_potential = 12;
 constexpr double outermost = 60.0;
 
 class EncounterSolver {
@@ -114,7 +115,16 @@ public:
         : pair_(pair),
           degree_(degree),
           basis_(pair.d, rank, degree),
-          mesh_(pair.d, elements_inside, outermost) {}
+          mesh_(pair.d, pair.structure.g ? elements_inside_a_potential : elements_inside, outermost) {
+        for (int element = 0; element < mesh_.elements(); ++element) {
+            points_.push_back(mesh_.points(element));
+            if (!pair.structure.g) continue;
+            for (auto& point : points_.back()) {
+                point.volume *= pair.structure.g(point.r);
+                point.mean_force = pair.structure.mean_force(point.r);
+            }
+        }
+    }
 
     // [rate]
     /// What the medium and the partner take from a function of the velocity per unit time. In steps c of it
@@ -138,7 +148,7 @@ public:
         auto blocks = empty_blocks();
         for (int element = 0; element < mesh_.elements(); ++element) {
             for (auto& block : blocks) block.matrix.setZero();
-            for (auto const& point : mesh_.points(element)) {
+            for (auto const& point : points_[element]) {
                 for (int k = 0; k < even_count(); ++k)
                     blocks[block_of_[k][k]].matrix.noalias() +=
                         point.volume * rate(basis_.even[k], point.r) * point.shape * point.shape.transpose();
@@ -208,18 +218,69 @@ public:
         });
     }
 
+    /// A sum of sources of either kind in continuous time: in the equation, and as it reads the solution,
+    /// where what an odd source has streamed has the other sign.
+    struct Signal {
+        Eigen::VectorXd sent, read;
+        std::vector<Source> odd;
+    };
+    Signal signal(std::vector<Source> const& sources) const {
+        Eigen::VectorXd of_even = Eigen::VectorXd::Zero(unknowns()), of_odd = of_even;
+        std::vector<Source> odd;
+        for (auto const& source : sources) {
+            auto const& f = source.function;
+            if (f.degree() % 2 == 1) {
+                odd.push_back(source);
+                int const o = basis_.odd_index(f.m, f.i, f.p);
+                for_each_point([&](int element, Point const& point) {
+                    double const relaxed = source.amplitude(pair_, point.r) / rate(f, point.r);
+                    for (auto const& coupling : basis_.streaming[o])
+                        add(of_odd, element, coupling.from,
+                            -point.volume * speed * relaxed * streamed(coupling, point));
+                });
+            } else {
+                int const k = basis_.even_index(f.m, f.i, f.p);
+                for_each_point([&](int element, Point const& point) {
+                    add(of_even, element, k, point.volume * source.amplitude(pair_, point.r) * point.shape);
+                });
+            }
+        }
+        return {of_even + of_odd, of_even - of_odd, odd};
+    }
+
+    /// \f$\int\int\langle X(0)Y(t)\rangle\f$ over time and pairs.
+    double correlation(Signal const& first, Signal const& later) const {
+        double sum = first.read.dot(solve(later.sent));
+        for (auto const& X : first.odd)  // what is remembered before it streams
+            for (auto const& Y : later.odd) {
+                auto const &f = X.function, &g = Y.function;
+                if (f.m != g.m || f.i != g.i || f.p != g.p) continue;
+                for_each_point([&](int, Point const& point) {
+                    sum += point.volume * X.amplitude(pair_, point.r) * Y.amplitude(pair_, point.r) /
+                           rate(f, point.r);
+                });
+            }
+        return sum;
+    }
+
 private:
     int even_count() const { return static_cast<int>(basis_.even.size()); }
 
     static ElementVector streamed(Coupling const& coupling, Point const& point) {
-        return coupling.slope * point.slope + coupling.rotation / point.r * point.shape;
+        return coupling.slope * point.slope +
+               (coupling.rotation / point.r + coupling.pushed * point.mean_force) * point.shape;
     }
 
     template <class Action>
-    void for_each_point_in_range(Action const& action) const {
+    void for_each_point(Action const& action) const {
         for (int element = 0; element < mesh_.elements(); ++element)
-            for (auto const& point : mesh_.points(element))
-                if (point.r < 1.0) action(element, point);
+            for (auto const& point : points_[element]) action(element, point);
+    }
+    template <class Action>
+    void for_each_point_in_range(Action const& action) const {
+        for_each_point([&](int element, Point const& point) {
+            if (point.r < 1.0) action(element, point);
+        });
     }
 
     /// Index of an unknown, or -1 where it is held at zero.
@@ -264,6 +325,7 @@ private:
     int degree_;
     VelocityBasis basis_;
     RadialMesh mesh_;
+    std::vector<std::vector<Point>> points_;  ///< of each element, weighted with g
     std::vector<std::vector<int>> block_of_;
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> cholesky_;
 };
@@ -314,6 +376,77 @@ StressMemory stress_memory(Encounter const& pair, int degree) {
             bounds(cross[0], cross[1])};
 }
 // [stress memory]
+
+namespace {
+
+void check_soft(Encounter const& pair, int degree) {
+    check(pair, degree);
+    if (pair.step != 0.0)
+        throw std::invalid_argument("the encounter with a potential is known in continuous time");
+    if (!pair.structure.g || !pair.structure.mean_force || !pair.structure.force)
+        throw std::invalid_argument("the encounter with a potential needs g and both forces");
+}
+
+/// The potential's force on a partner: the mean one, and the other's own.
+double mean_force(Encounter const& pair, double r) { return pair.structure.mean_force(r); }
+double own_force(Encounter const& pair, double r) { return pair.structure.force(r); }
+using Force = double (*)(Encounter const&, double);
+
+}  // namespace
+
+// [soft force memory]
+SoftForceMemory soft_force_memory(Encounter const& pair, int degree) {
+    check_soft(pair, degree);
+    EncounterSolver solver(pair, 1, degree);
+    auto const f = solver.signal({force_source});
+    auto const mean = solver.signal({{one, mean_force}}), own = solver.signal({{one, own_force}});
+    SoftForceMemory memory{};
+    for (bool const with_highest : {false, true}) {
+        solver.factorize(with_highest);
+        memory.friction += 0.5 * solver.correlation(f, f);
+        memory.potential += 0.5 * solver.correlation(own, mean);
+        memory.cross += 0.5 * solver.correlation(f, mean);
+    }
+    return memory;
+}
+// [soft force memory]
+
+// [soft stress memory]
+SoftStressMemory soft_stress_memory(Encounter const& pair, int degree) {
+    check_soft(pair, degree);
+    EncounterSolver solver(pair, 2, degree);
+    auto const s = solver.signal({stress_source}), B = solver.signal({relaxation_along, relaxation_across});
+    auto const B_F = [&](Force F) {
+        return solver.signal(
+            {{u_r, [F](Encounter const& p, double r) { return 2.0 * speed * tensor_size(p.d) * F(p, r); }},
+             {u_t,
+              [F](Encounter const& p, double r) { return speed * std::sqrt(2.0 * (p.d - 1.0)) * F(p, r); }}});
+    };
+    auto const Phi = [&](Force F) {
+        return solver.signal(
+            {{one, [F](Encounter const& p, double r) { return tensor_size(p.d) * r * F(p, r); }}});
+    };
+    auto const B_mean = B_F(mean_force), B_own = B_F(own_force);
+    auto const Phi_mean = Phi(mean_force), Phi_own = Phi(own_force);
+    SoftStressMemory memory{};
+    double const share = 0.5 * xy_share(pair.d);
+    for (bool const with_highest : {false, true}) {
+        solver.factorize(with_highest);
+        auto const correlation = [&](auto const& X, auto const& Y) {
+            return share * solver.correlation(X, Y);
+        };
+        memory.collision += correlation(s, s);
+        // B is even and B_F odd in the velocities, so that <B_F(0) B(t)> is -<B(0) B_F(t)>
+        memory.relaxation += correlation(B, B) + 2.0 * correlation(B, B_mean) - correlation(B_own, B_mean);
+        memory.cross += correlation(s, B) + correlation(s, B_mean);
+        memory.potential += correlation(Phi_mean, s);
+        double const of_friction = correlation(Phi_mean, B);
+        memory.kinetic += of_friction + correlation(Phi_own, B_mean);
+        memory.kinetic_by_mean_stress += of_friction + correlation(Phi_mean, B_own);
+    }
+    return memory;
+}
+// [soft stress memory]
 
 // [heat memory]
 double heat_memory(Encounter const& pair, double decay, double excess, int degree) {

@@ -6,6 +6,7 @@
 /// distance of the two, g their relative velocity, r^ the unit vector between them, [f] a volume integral.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <variant>
 
@@ -17,14 +18,22 @@ namespace dpd::theory {
 /// drawn at a rate.
 using Thermostat = std::variant<Shardlow, Lowe>;
 
+/// Where partners are found that repel each other, and what pushes them. Nothing set: an ideal gas.
+struct Structure {
+    PairDistribution g;                        ///< how often a distance occurs; must not be zero
+    std::function<double(double)> mean_force;  ///< d ln g/dr, on a partner from the other and all around
+    std::function<double(double)> force;       ///< on a partner from the other alone, -du/dr
+};
+
 /// A pair in a medium that exerts the friction `medium` on either of the two. In continuous time (step = 0),
 /// or in steps: all collide once (A = A(w step) by the scheme, or a new velocity with probability Gamma step)
 /// and the medium keeps exp(-medium step) of a velocity, then all drift.
 struct Encounter {
-    int d = 3;              ///< dimension
-    Thermostat thermostat;  ///< what happens in range
-    double medium = 0.0;    ///< rate at which the medium alone would relax a velocity
-    double step = 0.0;      ///< time; 0: continuous
+    int d = 3;                 ///< dimension
+    Thermostat thermostat;     ///< what happens in range
+    double medium = 0.0;       ///< rate at which the medium alone would relax a velocity
+    double step = 0.0;         ///< time; 0: continuous
+    Structure structure = {};  ///< with a potential; for soft_force_memory and soft_stress_memory
 };
 
 /// Weight of the pair's friction; of Lowe's thermostat 1.
@@ -63,6 +72,30 @@ struct StressMemory {
         cross;  ///< \f$\int\int\langle s(0)B(t)\rangle\f$; the two truncations, which need not be bounds here
 };
 StressMemory stress_memory(Encounter const& pair, int degree);
+
+/// Memory of the force in a fluid with a potential, integrals over g as the others are over the volume;
+/// \f$F\f$ is the potential's force along r^, in `potential` the partner's own at first and the mean one
+/// later.
+struct SoftForceMemory {
+    double friction;   ///< \f$\int\int\langle f(0)f(t)\,\hat{\mathbf r}_0\cdot\hat{\mathbf r}_t\rangle\f$
+    double potential;  ///< the same of F and F
+    double cross;      ///< of f(0) and F(t), the mean force
+};
+/// The pair moves in its mean force. Continuous time. Throws as force_memory.
+SoftForceMemory soft_force_memory(Encounter const& pair, int degree);
+
+/// The same for stresses, with \f$\Phi=rF\hat x\hat y\f$ and \f$B_F=F(\hat xg_y+\hat yg_x)\f$, what the
+/// potential does to \f$g_xg_y/2\f$. With s and B the force is the mean one.
+struct SoftStressMemory {
+    double collision;   ///< \f$\int\int\langle s(0)s(t)\rangle\f$
+    double relaxation;  ///< \f$\int\int\langle(B-B_F)(0)\,(B+B_F)(t)\rangle\f$, one force in B_F B_F mean
+    double cross;       ///< \f$\int\int\langle s(0)\,(B+B_F)(t)\rangle\f$
+    double potential;   ///< \f$\int\int\langle\Phi(0)s(t)\rangle\f$
+    /// \f$\int\int\langle\Phi(0)\,(B+B_F)(t)\rangle\f$ with the partner's own force in \f$\Phi\f$ and the
+    /// mean one in B_F, and the other way round. Exact solutions would agree.
+    double kinetic, kinetic_by_mean_stress;
+};
+SoftStressMemory soft_stress_memory(Encounter const& pair, int degree);
 
 /// What a pair remembers of the heat that an explicit step leaves in it: \f$\sum_{j\ge1}\int d\mathbf
 /// r\langle X_0b_j\rangle\f$ with \f$b=2^{3/2}a\,(e+a)\,H_2\f$, what a step adds to the distribution, and

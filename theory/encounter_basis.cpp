@@ -41,20 +41,17 @@ void check(Encounter const& pair, int degree) {
         throw std::invalid_argument("the degree of an encounter must be even and at least 2");
 }
 
-namespace {
-/// Norm of the tensor r^ r^ less its trace.
-double size(int d) { return std::sqrt((d - 1.0) / d); }
-}  // namespace
-
+double tensor_size(int d) { return std::sqrt((d - 1.0) / d); }
 double xy_share(int d) { return 1.0 / ((d - 1.0) * (d + 2.0)); }
 
 // [sources]
 Source const force_source{u_r,
                           [](Encounter const& pair, double r) { return 0.5 * speed * loss(pair, 1, r); }};
-Source const stress_source{
-    u_r, [](Encounter const& pair, double r) { return 0.5 * speed * size(pair.d) * r * loss(pair, 1, r); }};
+Source const stress_source{u_r, [](Encounter const& pair, double r) {
+                               return 0.5 * speed * tensor_size(pair.d) * r * loss(pair, 1, r);
+                           }};
 Source const relaxation_along{u_r_u_r, [](Encounter const& pair, double r) {
-                                  return -std::numbers::sqrt2 * size(pair.d) * loss(pair, 2, r);
+                                  return -std::numbers::sqrt2 * tensor_size(pair.d) * loss(pair, 2, r);
                               }};
 Source const relaxation_across{u_r_u_t, [](Encounter const& pair, double r) {
                                    return -std::sqrt(2.0 * (pair.d - 1.0)) * loss(pair, 1, r);

@@ -33,6 +33,7 @@ struct VelocityFunction {
 
 constexpr VelocityFunction one{0, 0, 0};
 constexpr VelocityFunction u_r{0, 1, 0};      ///< u_r
+constexpr VelocityFunction u_t{1, 0, 0};      ///< u_t, normalized
 constexpr VelocityFunction u_r_u_r{0, 2, 0};  ///< (u_r^2 - 1)/2^(1/2)
 constexpr VelocityFunction u_r_u_t{1, 1, 0};  ///< u_r u_t, normalized
 
@@ -55,6 +56,8 @@ extern Source const force_source;
 /// T:U\rangle\f$ xy_share(d).
 extern Source const stress_source, relaxation_along, relaxation_across;
 double xy_share(int d);
+/// Norm of the tensor r^ r^ less its trace.
+double tensor_size(int d);
 
 constexpr int order = 4;  ///< of the polynomials in r on an element
 using ElementVector = Eigen::Matrix<double, order + 1, 1>;
@@ -62,10 +65,11 @@ using ElementMatrix = Eigen::Matrix<double, order + 1, order + 1>;
 
 /// A quadrature point of an element: r, its share of the volume, and the shape functions and their slopes.
 struct Point {
-    double r;             ///< distance
-    double volume;        ///< its share of the volume
-    ElementVector shape;  ///< values of the shape functions
-    ElementVector slope;  ///< their derivatives by r
+    double r;                 ///< distance
+    double volume;            ///< its share of the volume
+    ElementVector shape;      ///< values of the shape functions
+    ElementVector slope;      ///< their derivatives by r
+    double mean_force = 0.0;  ///< d ln g/dr
 };
 
 /// Value and slope of the Lagrange polynomials through Chebyshev's points of [0, 1].

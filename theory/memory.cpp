@@ -6,10 +6,8 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <boost/math/special_functions/sinc.hpp>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <complex>
-#include <cstdint>
 #include <functional>
 #include <map>
 #include <numbers>
@@ -21,8 +19,10 @@
 #include <variant>
 #include <vector>
 
+#include "convergence.hpp"
 #include "encounter.hpp"
 #include "integrals.hpp"
+#include "memory_soft.hpp"
 #include "rows.hpp"
 
 namespace dpd::theory {
@@ -104,11 +104,13 @@ struct Medium {
 };
 
 /// What a particle keeps for itself, step times sums over j >= 1 of exp(-i omega j) times: E, the correlation
-/// of exp(i k.r), and Phi_s, that of its current. Brinkman's continued fraction. z is (2 i/step) tan(omega
-/// step/2), or i omega in continuous time.
+/// of exp(i k.r), Phi_s, that of its current, and -dE/dt, the divergence of the current that spreads from
+/// where it was. Brinkman's continued fraction. z is (2 i/step) tan(omega step/2), or i omega in continuous
+/// time.
 struct SingleParticle {
     Complex density;
     Parts<Complex> current;
+    Complex spreading;
 };
 // [single particle]
 SingleParticle single_particle(Medium const& medium, double k, Complex z) {
@@ -137,9 +139,14 @@ SingleParticle single_particle(Medium const& medium, double k, Complex z) {
         Complex const share = 2.0 / (1.0 + kept) * inverse(1.0 + square(h) * t * z);
         return kept * share * (1.0 - h * z) * (share * (1.0 + h * z) * resolvent - h);
     };
+    // from a place to a velocity, one end each of the above
+    auto const of_both = [&](Complex resolvent) {
+        return std::sqrt(kept) * 2.0 / (1.0 + kept) * inverse(1.0 + square(h) * t * z) *
+               (1.0 - square(h) * z * z) * resolvent;
+    };
     Complex const first = fraction(2), density = inverse(level(0) + k2 * first);
     Complex const across = fraction(1), along = level(0) * first * density;
-    return {of_density(density), {of_velocity(across), of_velocity(along)}};
+    return {of_density(density), {of_velocity(across), of_velocity(along)}, of_both(k2 * first * density)};
 }
 // [single particle]
 
@@ -158,7 +165,8 @@ public:
             with_end += step_ * power * std::sqrt(kept);
             power *= kept;
             density = std::exp(-0.5 * k2 * variance);
-            terms_.push_back({density, power * density, (power - k2 * square(with_end)) * density});
+            terms_.push_back({density, power * density, (power - k2 * square(with_end)) * density,
+                              k2 * with_end * density});
         }
     }
     std::size_t length() const { return terms_.size(); }
@@ -172,13 +180,14 @@ public:
             sum.density += term.density * phase;
             sum.current.transverse += term.transverse * phase;
             sum.current.longitudinal += term.longitudinal * phase;
+            sum.spreading += term.spreading * phase;
         }
         return sum;
     }
 
 private:
     struct Term {
-        double density, transverse, longitudinal;
+        double density, transverse, longitudinal, spreading;
     };
     double step_;
     std::vector<Term> terms_;
@@ -219,6 +228,22 @@ public:
     }
     // [returned]
 
+    // [cross stress]
+    /// Kinetic stress that the friction stress of a pair becomes beyond the encounter of the two: the current
+    /// that the velocity of one starts, times the one that spreads from where the other is.
+    double cross_stress() const {
+        return medium_.zeta * share_.stress.transverse / k_ * (2.0 / d_ - 4.0 / (d_ * (d_ + 2.0))) *
+               over_time([&](SingleParticle const& single) {
+                   Complex const spread = spread_once(single);
+                   Complex const spread_on = spread * inverse(1.0 - handed(share_.current.longitudinal) *
+                                                                        single.current.longitudinal);
+                   Complex const once = straight(single).transverse, others = this->others(single).transverse;
+                   return product(single.current.transverse, spread_on - spread) +
+                          product(others - once, single.spreading) + product(others, spread_on);
+               });
+    }
+    // [cross stress]
+
 private:
     static double product(Complex a, Complex b) { return std::real(a * std::conj(b)); }
 
@@ -243,6 +268,12 @@ private:
             once.transverse * inverse(1.0 - handed(share_.current.transverse) * single.current.transverse),
             once.longitudinal *
                 inverse(1.0 - handed(share_.current.longitudinal) * single.current.longitudinal)};
+    }
+    /// Spreading current of the others, handed over once. It is zero at first; at its other end the half of a
+    /// collision counts.
+    Complex spread_once(SingleParticle const& single) const {
+        return handed(share_.current.longitudinal) * single.spreading *
+               (0.5 * medium_.step + single.current.longitudinal);
     }
     // [current]
 
@@ -423,66 +454,6 @@ Sweep within_sweep(Waves const& waves, double n, double decay) {
 // -----------------------------------------------------------------------------------------------------------
 // Closure; m = kT = rc = 1
 
-struct ZeroAndSlope {
-    double zero, slope;
-};
-
-/// The zero of a function between two bounds, to 14 bits, and its slope there: with the slope of a coarse
-/// function a step of Newton's finds the zero of a finer one.
-template <class Function>
-ZeroAndSlope zero_and_slope(Function const& function, double lowest, double highest) {
-    constexpr int bits = 14;
-    std::uintmax_t evaluations = 50;
-    auto const [low, high] = boost::math::tools::toms748_solve(
-        function, lowest, highest, boost::math::tools::eps_tolerance<double>(bits), evaluations);
-    double const zero = 0.5 * (low + high);
-    constexpr double interval = 0.01;
-    double const slope =
-        (function(zero * (1.0 + interval)) - function(zero * (1.0 - interval))) / (2.0 * interval * zero);
-    return {zero, slope};
-}
-
-/// A number that gets better with the degree of the polynomials.
-class Sequence {
-public:
-    void add(double value) { values_.push_back(value); }
-    /// What the last five tend to, or three, if they close in like a sum of geometric series.
-    double limit() const { return limit(values_.size()); }
-    /// How far off it may be: what the last value has changed in it.
-    double change() const { return std::abs(limit() - limit(values_.size() - 1)); }
-
-private:
-    /// Of the first `count` values. Wynn's epsilon algorithm, of three values Aitken's.
-    double limit(std::size_t count) const {
-        std::size_t const used = count < 3 ? 1 : count < 5 ? 3 : 5;
-        double const last = values_[count - 1];
-        std::vector<double> before(used + 1, 0.0),
-            now(values_.begin() + static_cast<std::ptrdiff_t>(count - used),
-                values_.begin() + static_cast<std::ptrdiff_t>(count));
-        double best = last;
-        for (std::size_t column = 1; column < used; ++column) {
-            std::vector<double> next;
-            for (std::size_t i = 0; i + 1 < now.size(); ++i) {
-                double const step = now[i + 1] - now[i];
-                if (step == 0.0) return best;
-                next.push_back(before[i + 1] + 1.0 / step);
-            }
-            before = std::exchange(now, next);
-            if (column % 2 == 0) best = now.back();
-        }
-        // a series that does not close in has no limit to be trusted
-        constexpr double farthest = 20.0;
-        return used > 1 && std::abs(best - last) > farthest * std::abs(last - values_[count - 2]) ? last
-                                                                                                  : best;
-    }
-
-    std::vector<double> values_;
-};
-
-struct Converged {
-    double value, error;
-};
-
 constexpr int lowest_degree = 6, degree_step = 2, highest_degree = 18;
 
 /// Friction that chaos gives a velocity in continuous time, and the collision viscosity.
@@ -643,18 +614,20 @@ CoefficientWithMemory in_units(CoefficientWithMemory const& c, double unit) {
 
 }  // namespace
 
-CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double dt, double box) {
+CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double dt, double box,
+                                   PairDistribution const& g) {
     unit_sphere_surface(gas.d);  // checks d
     require_positive({{"n", gas.n}, {"m", gas.m}, {"kT", gas.kT}, {"rc", gas.rc}, {"zeta", zeta}});
     check_step_and_box(gas.d, dt, box);
     double const n = gas.n * std::pow(gas.rc, gas.d), time = gas.rc * std::sqrt(gas.m / gas.kT);
     Medium const medium{zeta * time, dt / time};
     Waves const waves(
-        gas.d, [weight](double r) { return weight_at(weight, r); }, box / gas.rc);
-    return {
-        waves.sum(medium, &Wave::friction) / n, waves.sum(medium, &Wave::own_stress) / n,
-        waves.sum(medium, &Wave::others_stress) / n,
-        waves.sum(medium, &Wave::collision_stress) * std::sqrt(gas.m * gas.kT) * std::pow(gas.rc, 1 - gas.d)};
+        gas.d, [&](double r) { return weight_at(weight, r) * (g ? g(r * gas.rc) : 1.0); }, box / gas.rc);
+    double const viscosity = std::sqrt(gas.m * gas.kT) * std::pow(gas.rc, 1 - gas.d);
+    return {waves.sum(medium, &Wave::friction) / n, waves.sum(medium, &Wave::own_stress) / n,
+            waves.sum(medium, &Wave::others_stress) / n,
+            waves.sum(medium, &Wave::collision_stress) * viscosity,
+            waves.sum(medium, &Wave::cross_stress) * viscosity};
 }
 
 namespace {
@@ -866,12 +839,26 @@ ClosedForm temperature_row() {
         .costly = true};
 }
 
+ClosedForm soft_row() {
+    return {.id = "memory-collision-soft",
+            .paper = "ours",
+            .equation = "theory/memory.md",
+            .quantity = "collision viscosity with memory and potential",
+            .formula = "eq. 12 + pair + waves of the fluid + cross terms",
+            .parameters = {"d", "n", "m", "kT", "gamma", "rc", "box", "a", "weight", "exponent"},
+            .without_effect = {},
+            .value = [](Arguments const& a) { return soft_parts(a, {}).front().second; },
+            .defaults = {{"a", "0"}},
+            .parts = [](Arguments const& a) { return soft_parts(a, {}); },
+            .costly = true};
+}
+
 }  // namespace
 
 std::vector<ClosedForm> memory_rows() {
     return joined({rows_of<Shardlow>({"memory-D", "memory-kinetic", "memory-collision"}),
                    rows_of<Lowe>({"memory-D-lowe", "memory-kinetic-lowe", "memory-collision-lowe"}),
-                   {temperature_row()}});
+                   {temperature_row(), soft_row()}});
 }
 
 }  // namespace dpd::theory

@@ -16,12 +16,16 @@ struct CollectiveMemory {
     double own_stress = 0.0;        ///< longer life of its own v_x v_y
     double others_stress = 0.0;     ///< v_x v_y that the others take over, beyond what one partner does
     double collision_stress = 0.0;  ///< what it takes from the collision viscosity, in units of that
+    double cross_stress = 0.0;      ///< kinetic stress that the collision stress becomes, in the same; not in
+                                    ///< transport_with_memory
 };
 
 /// The collective part alone, for a particle of friction zeta (1/time, D = kT/(m zeta)). Uses the gas and the
 /// shape of the weight. `box` is the side of a periodic square or cube, or infinity; in two dimensions the
-/// integrals diverge with the box, and std::domain_error is thrown without one.
-CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double dt, double box);
+/// integrals diverge with the box, and std::domain_error is thrown without one. A pair distribution weighs
+/// the friction; pairs are taken to share what they share of it.
+CollectiveMemory collective_memory(Gas const& gas, Weight weight, double zeta, double dt, double box,
+                                   PairDistribution const& g = {});
 
 /// A coefficient as a sum, and what the numerics may add to it.
 struct CoefficientWithMemory {

@@ -8,11 +8,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "commands.hpp"
 #include "conventions.hpp"
 #include "errors.hpp"
 #include "number.hpp"
+#include "theory/memory_soft.hpp"
 #include "theory/registry.hpp"
 #include "theory/tune.hpp"
 
@@ -48,9 +51,22 @@ void list_theory(bool json) {
 }
 
 void evaluate_theory(std::string const& id, std::vector<std::string> const& assignments, bool json) {
-    auto const given = split(assignments);
-    auto const parts = dpd::theory::evaluate_parts(id, given);
-    auto const& form = *dpd::theory::find(id);
+    auto given = split(assignments);
+    auto const* const known = dpd::theory::find(id);
+    // the one parameter that is no number: a file of the pair distribution
+    auto const g = std::ranges::find(given, "g", &std::pair<std::string, std::string>::first);
+    bool const measured = id == "memory-collision-soft" && g != given.end();
+    dpd::theory::PairTable table;
+    std::vector<std::pair<std::string, std::string>> taken;
+    if (measured) {
+        table = dpd::theory::pair_table(g->second);
+        taken.push_back(*g);
+        given.erase(g);
+    }
+    auto const parts = measured ? dpd::theory::soft_parts(dpd::theory::Arguments(*known, given), table)
+                                : dpd::theory::evaluate_parts(id, given);
+    auto const& form = *known;
+    given.insert(given.end(), taken.begin(), taken.end());
     if (json) {
         Json result{
             {"id", id}, {"paper", form.paper}, {"equation", form.equation}, {"quantity", form.quantity}};

@@ -219,6 +219,37 @@ def heated(state=None):
     return f"{found[state] if state else max(found.values()):.1f}"
 
 
+# --- collision viscosity with a potential at density 1 against the theory with memory (theory/memory.md)
+
+
+@functools.cache
+def _soft(a, friction):
+    """the point of ng3a or ng3b, and the theory there as recorded under the same a and friction"""
+    figure, x = ("ng3a", friction) if a == "25" and friction != "4.5" else ("ng3b", a)
+    comparisons = json_file(ROOT / f"figures/data/{figure}.json")["comparisons"]
+    point = next(c for c in comparisons if c["quantity"] == "collision_viscosity" and c["curve"].startswith("n=1") and c["x"] == float(x))
+    weak = {"4.5": "", "0.5": "-weak"}.get(friction, f"-{friction}")
+    return point, record(f"soft-{a}{weak}")
+
+
+def soft_over_eq12(a, friction):
+    """theory over eq. 12 with the measured g at the step of the figure, less one, per cent"""
+    point, theory = _soft(a, friction)
+    return f"{100.0 * (theory['value'] / point['theory_value'] - 1.0):+.0f}"
+
+
+def soft_deviation(a, friction):
+    """simulation over theory, less one, per cent"""
+    point, theory = _soft(a, friction)
+    return with_error(100.0 * (point["value"] / theory["value"] - 1.0), 100.0 * point["error"] / theory["value"], "+")
+
+
+def soft_part(a, friction, part):
+    """a part of the theory over its eq. 12 for a step of zero, per cent"""
+    _, theory = _soft(a, friction)
+    return f"{100.0 * theory[part] / theory['at_once']:+.0f}"
+
+
 # --- dpdref_benchmark (docs/performance.md)
 
 

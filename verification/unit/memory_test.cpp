@@ -237,12 +237,12 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(collective)
 
-// The mean field of the currents in time, where memory.cpp has it in frequencies: E as it is written down, the
-// convolution by the trapezoidal rule: what its step leaves is below a third of the tolerance.
+// The mean field of the currents in time, where memory.cpp has it in frequencies: E as it is written down,
+// the convolution by the trapezoidal rule: what its step leaves is below a third of the tolerance.
 BOOST_AUTO_TEST_CASE(agrees_with_integrals_over_time) {
     constexpr double zeta = 2.0, n = 3.0, box = 5.0, step = 0.01;
     constexpr int times = 1500, largest = 9;  // of a wave vector, in units of the smallest
-    double friction = 0.0, own = 0.0, others = 0.0;
+    double friction = 0.0, own = 0.0, others = 0.0, cross = 0.0;
     for (int squared = 1; squared <= largest * largest; ++squared) {
         int vectors = 0;
         for (int x = -largest; x <= largest; ++x)
@@ -282,6 +282,27 @@ BOOST_AUTO_TEST_CASE(agrees_with_integrals_over_time) {
                                       : (self[part][t] + zeta * s[part] * again) /
                                             (1.0 - 0.5 * step * zeta * s[part] * self[part][0]);
             }
+        // the current that spreads from a place, the particle's own and with what the others get along the
+        // wave
+        std::vector<double> spreading(times), spread_on(times), spread_once(times);
+        for (int t = 0; t < times; ++t) {
+            spreading[t] = k2 / zeta * -std::expm1(-zeta * step * t) * E[t];
+            double once = 0.0, again = 0.0;
+            for (int u = 0; u <= t; ++u) {
+                double const share = (u == 0 || u == t ? 0.5 : 1.0) * step;
+                once += share * self[1][t - u] * spreading[u];
+                if (u < t) again += share * self[1][t - u] * spread_on[u];
+            }
+            spread_once[t] = zeta * s[1] * once;
+            spread_on[t] =
+                (spreading[t] + zeta * s[1] * again) / (1.0 - 0.5 * step * zeta * s[1] * self[1][0]);
+        }
+        // of the transform of w r r^ r^ r^ across k, the second spherical Bessel function over x
+        double const stress = volume_integral(3, 1.0, [&](double r) {
+            double const x = std::max(k * r, 1e-2);
+            return weight_at(Weight::linear, r) * r *
+                   ((3.0 / (x * x) - 1.0) * std::sin(x) / x - 3.0 * std::cos(x) / (x * x)) / x;
+        });
         auto const q = [](double a, double b) {
             return a * a + 2.0 / 3.0 * a * (b - a) + 2.0 / 15.0 * (b - a) * (b - a);
         };
@@ -291,6 +312,10 @@ BOOST_AUTO_TEST_CASE(agrees_with_integrals_over_time) {
             friction += 2.0 / 3.0 * weight * s[0] * s[0] * across * E[t];
             own += 2.0 / 3.0 * weight * s[0] * s[0] * across * self[0][t];
             others += 2.0 * weight * (q(across, along) - q(straight[0][t], straight[1][t]));
+            // less the particle's own, and what goes from one of the pair straight to the other
+            double const beyond = all[0][t] * spread_on[t] - self[0][t] * (spreading[t] + spread_once[t]) -
+                                  straight[0][t] * spreading[t];
+            cross += (2.0 / 3.0 - 4.0 / 15.0) * n * weight * stress / at_zero / k * beyond;
         }
     }
     auto const memory = collective_memory({.n = n}, Weight::linear, zeta, 0.0, box);
@@ -298,6 +323,7 @@ BOOST_AUTO_TEST_CASE(agrees_with_integrals_over_time) {
     BOOST_TEST(memory.friction == friction, relative);
     BOOST_TEST(memory.own_stress == own, relative);
     BOOST_TEST(memory.others_stress == others, relative);
+    BOOST_TEST(memory.cross_stress == cross, relative);
 }
 
 // Small wave numbers are hydrodynamics: (2/3) zeta/(n (nu + D) k^2), with nu = 1/(2 zeta) and what the

@@ -2084,7 +2084,8 @@ BOOST_AUTO_TEST_CASE(registry_lists_the_promised_ids_with_known_parameters) {
                                                  "memory-D-lowe",
                                                  "memory-kinetic-lowe",
                                                  "memory-collision-lowe",
-                                                 "memory-kT"};
+                                                 "memory-kT",
+                                                 "memory-collision-soft"};
     std::vector<std::string_view> listed;
     for (auto const& form : closed_forms()) {
         listed.push_back(form.id);
@@ -2208,9 +2209,9 @@ BOOST_AUTO_TEST_CASE(registry_evaluates_every_form) {
         {"vacf-tail-box", velocity_autocorrelation_tail_in_box(gas, 3.1, 0.4, 12, 2.7)},
         {"yeh-hummer", diffusion_finite_size_correction(1.7, 3.1, 12)},
         {"harmonic-limit", harmonic_limit(gas, 25)}};
-    // (the forms with memory take seconds; memory_test has theirs)
+    // (the forms with memory take seconds; memory_test and memory_soft_test have theirs)
     auto const of_memory = std::ranges::count_if(closed_forms(), &ClosedForm::costly);
-    BOOST_TEST(of_memory == 7);
+    BOOST_TEST(of_memory == 8);
     BOOST_TEST(expected.size() + static_cast<std::size_t>(of_memory) == closed_forms().size());
     auto const given_for = [&](std::vector<std::string_view> const& names) {
         Given given;
