@@ -11,6 +11,9 @@
 
 namespace dpd::theory {
 
+/// Degrees of the polynomials of an encounter's velocities, tried one after the other.
+inline constexpr int lowest_degree = 6, degree_step = 2, highest_degree = 18;
+
 /// Of a function.
 struct ZeroAndSlope {
     double zero;   ///< where it is zero

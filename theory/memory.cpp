@@ -454,8 +454,6 @@ Sweep within_sweep(Waves const& waves, double n, double decay) {
 // -----------------------------------------------------------------------------------------------------------
 // Closure; m = kT = rc = 1
 
-constexpr int lowest_degree = 6, degree_step = 2, highest_degree = 18;
-
 /// Friction that chaos gives a velocity in continuous time, and the collision viscosity.
 double friction_limit(Gas const& gas, auto const& thermostat) {
     return gas.kT / (gas.m * diffusion_constant_limit(gas, thermostat));

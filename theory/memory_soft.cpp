@@ -107,7 +107,6 @@ struct SoftFluid {
     }
 };
 
-constexpr int lowest_degree = 6, degree_step = 2, highest_degree = 18;
 /// Change at which a refinement is the last, over the friction and over the largest parts.
 constexpr double wanted = 1e-4;
 
