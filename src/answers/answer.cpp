@@ -65,8 +65,8 @@ std::vector<std::string> differences(Json const& reduced, Query const& query) {
         if (distance(reduced, key, value) == 0.0) continue;
         double const unit = parameter_unit(key, query.units, query.d);
         auto const in_units =
-            [&, &key = key](std::string const& text) {  // clang 14 captures no binding by itself
-                return is_text(key) ? text : fmt::format("{:.6g}", unit * asked_number(key, text));
+            [&, &name = key](std::string const& text) {  // clang 14 captures no binding by itself
+                return is_text(name) ? text : fmt::format("{:.6g}", unit * asked_number(name, text));
             };
         texts.push_back(reduced.contains(key) ? fmt::format("{} is {}, not {}", key,
                                                             in_units(text_of(reduced[key])), in_units(value))

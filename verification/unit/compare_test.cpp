@@ -314,7 +314,7 @@ BOOST_AUTO_TEST_CASE(definitions_of_other_programs) {
                 BOOST_TEST(known->estimate.value == p, boost::test_tools::tolerance(1e-6));
             BOOST_TEST(std::any_of(
                 averages.definitions.begin(), averages.definitions.end(),
-                [&, &what = what](auto const& text) { return text.find(what) != std::string::npos; }));
+                [&, &part = what](auto const& text) { return text.find(part) != std::string::npos; }));
         }
     // two partitions are two runs of one fluid; the same file twice is not
     auto const one = read_output(folder / "partition.log.0"), other = read_output(folder / "partition.log.1");

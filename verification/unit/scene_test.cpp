@@ -709,7 +709,7 @@ BOOST_AUTO_TEST_CASE(order_and_configuration_are_read_as_written) {
              {"sample.bond_order={range=1, interval=0}", "sample.bond_order.interval: ", {"an integer >= 1"}},
              {"sample.bond_order={range=1, bins=3}", "sample.bond_order.bins: ", {"unknown key", "interval"}},
              {"sample.configuration=1", "sample.configuration: ", {"1", "allowed", "true or false"}}}) {
-        auto const message = complaint([&, &assignment = assignment] { set({assignment}); });
+        auto const message = complaint([&, &text = assignment] { set({text}); });
         BOOST_TEST(message.find(key) != std::string::npos, message);
         check_message(message, "", words);
     }
