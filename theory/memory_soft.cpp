@@ -155,6 +155,7 @@ double self_consistent_friction(SoftFluid const& fluid) {
 
 PairTable pair_table(std::string const& file) {
     std::ifstream in(file);
+    if (!in) throw std::invalid_argument(file + ": cannot be read");
     PairTable table;
     constexpr std::string_view name = "radial_distribution,";
     for (std::string line; std::getline(in, line);) {

@@ -111,6 +111,9 @@ expect 0 -- theory ng8 d=3 n=3 gamma=9 dt=0.1 --json
 check "theory ng8 --json is no JSON" is_json out
 grep -q '"value":0.26624435137' out || fail "theory ng8 --json: $(cat out)"
 expect 2 ng99 my22 -- theory ng99
+echo quantity,value >empty.csv
+expect 2 nowhere read -- theory memory-collision-soft n=1 gamma=4.5 a=25 g=nowhere
+expect 2 empty.csv radial_distribution -- theory memory-collision-soft n=1 gamma=4.5 a=25 g=empty.csv
 expect 2 ng8 colour -- theory ng8 d=3 n=3 gamma=9 dt=0.1 colour=2
 expect 2 ng8 "'n'" -- theory ng8 d=3 gamma=9 dt=0.1
 expect 2 "'n'" x -- theory ng8 d=3 n=x gamma=9 dt=0.1
