@@ -1,5 +1,5 @@
-# The engine of the live pages: target live_engine, BUILD/live/live_engine.js, where emscripten is (Debian package emscripten).
-# and live_engine.wasm beside it, both of which docs/live/scripts.py puts into the book. They are built when something asks for them.
+# The engine of the live pages, where emscripten is (Debian package emscripten): target live_engine, which makes live_engine.js and
+# live_engine.wasm in BUILD/live; docs/live/scripts.py puts both into the book. They are built when something asks for them.
 find_program(DPDREF_EMCC emcc)
 find_program(DPDREF_NODE NAMES node nodejs)
 mark_as_advanced(DPDREF_EMCC DPDREF_NODE)
@@ -24,8 +24,8 @@ endif()
 
 # All rooms that a running scene stands on, without the plain engine and what keeps files of results, in a few units: headers take most of
 # the compiler's time. So no two files of a unit may have a name in common, and registry.cpp, which has a `quoted` of its own, stands alone,
-# away from <iomanip>. What takes time when it runs is compiled for speed, the rest for
-# size; of what several units have the linker takes the first.
+# away from <iomanip>. What takes time when it runs is compiled for speed, the rest for size; of what several units have the linker takes
+# the first.
 set(DPDREF_LIVE_fast engine engine/fast measure)
 set(DPDREF_LIVE_small base model scene run live)
 foreach(unit fast small)

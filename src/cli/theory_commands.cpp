@@ -51,22 +51,20 @@ void list_theory(bool json) {
 }
 
 void evaluate_theory(std::string const& id, std::vector<std::string> const& assignments, bool json) {
-    auto given = split(assignments);
-    auto const* const known = dpd::theory::find(id);
+    auto const given = split(assignments);
     // the one parameter that is no number: a file of the pair distribution
-    auto const g = std::ranges::find(given, "g", &std::pair<std::string, std::string>::first);
-    bool const measured = id == "memory-collision-soft" && g != given.end();
-    dpd::theory::PairTable table;
-    std::vector<std::pair<std::string, std::string>> taken;
-    if (measured) {
-        table = dpd::theory::pair_table(g->second);
-        taken.push_back(*g);
-        given.erase(g);
+    auto numbers = given;
+    dpd::theory::PairTable measured;
+    auto const g = std::ranges::find(numbers, "g", &std::pair<std::string, std::string>::first);
+    if (id == "memory-collision-soft" && g != numbers.end()) {
+        measured = dpd::theory::pair_table(g->second);
+        numbers.erase(g);
     }
-    auto const parts = measured ? dpd::theory::soft_parts(dpd::theory::Arguments(*known, given), table)
-                                : dpd::theory::evaluate_parts(id, given);
+    auto const* const known = dpd::theory::find(id);
+    auto const parts = measured.r.empty()
+                           ? dpd::theory::evaluate_parts(id, numbers)
+                           : dpd::theory::soft_parts(dpd::theory::Arguments(*known, numbers), measured);
     auto const& form = *known;
-    given.insert(given.end(), taken.begin(), taken.end());
     if (json) {
         Json result{
             {"id", id}, {"paper", form.paper}, {"equation", form.equation}, {"quantity", form.quantity}};

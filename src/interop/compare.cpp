@@ -477,11 +477,12 @@ private:
         return rest;
     }
 
-    void add_samples(std::string const& quantity, Samples const& samples, CodeOutput const& output) {
-        add_estimate(quantity, samples.estimate(), output);
+    void add_samples(std::string const& quantity, std::vector<double> series, CodeOutput const& output,
+                     bool independent = false) {
+        add_estimate(quantity, Samples{{series}, independent}.estimate(), output);
         auto& known = samples_[quantity];
-        known.independent = samples.independent;
-        known.runs.push_back(samples.runs.front());
+        known.independent = independent;
+        known.runs.push_back(std::move(series));
     }
 
     void add_series(CodeOutput const& output) {
@@ -500,7 +501,7 @@ private:
         for (auto const& [column, series] : output.series) {
             if (lag && squares && (&series == lag || &series == squares)) continue;
             auto const [quantity, factor, definition] = use(output, column);
-            add_samples(quantity, {{rest_of(output, series, factor)}}, output);
+            add_samples(quantity, rest_of(output, series, factor), output);
         }
         if (!lag || !squares) return;
         if (lag->size() != squares->size())
@@ -510,8 +511,7 @@ private:
         std::string const name = use(output, "diffusion_constant").quantity;
         columns_.erase("diffusion_constant");
         // an origin begins where the one before ended; blocks of several would leave too few of them
-        add_samples(name, {{diffusion_by_origin(*lag, *squares, first, reference_.components)}, true},
-                    output);
+        add_samples(name, diffusion_by_origin(*lag, *squares, first, reference_.components), output, true);
     }
 
     void add_curve(CodeOutput const& output) {
