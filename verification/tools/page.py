@@ -160,6 +160,8 @@ def mistakes():
         found[label[1]] = text
         if "?" not in text.split("\n\n")[1]:
             yield f"{where}: does not open with its question"
+        for name in re.findall(r"\\ref ([\w:-]+:)(?![\w:])", text):
+            yield f"{where}: Doxygen takes the colon of \\ref {name} for a part of the name"
         if label[1] != "book" and label[1] not in labels:
             yield f"{where}: docs/book.md has no \\subpage {label[1]}"
         for name in MARK.findall(text):
