@@ -57,22 +57,27 @@ struct CampaignChoice {
     }
 };
 
-// Where the figures are, and which to look at first: one that disagrees, or else one that is undecided.
-void print_summary(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
+// Prints the table of the figures, where they are, and which to look at first: one that disagrees, or else one
+// that is undecided. The table on disk is of all figures that are there. False if one of `ids` disagrees.
+bool report_of(std::vector<std::string> const& ids, std::filesystem::path const& output) {
+    auto const all = load_comparisons(output);
+    bool const agree = dpd::report(all, output, ids);
     std::map<Verdict, std::vector<std::string>> figures;
-    std::size_t const family = family_of(comparisons);
-    for (auto const& one : comparisons) {
+    std::size_t const family = family_of(all);
+    for (auto const& one : all) {
+        if (std::find(ids.begin(), ids.end(), one.figure) == ids.end()) continue;
         auto& of_verdict = figures[judge(one, family)];
         if (of_verdict.empty() || of_verdict.back() != one.figure) of_verdict.push_back(one.figure);
     }
     fmt::print("pictures: {}; all numbers: {}\n", (output / "*.png").string(),
                (output / "report.csv").string());
     for (Verdict const verdict : {Verdict::disagrees, Verdict::undecided})
-        if (auto const& ids = figures[verdict]; !ids.empty()) {
-            fmt::print("look first at {}: a comparison {}\n", fmt::join(ids, ", "),
+        if (auto const& found = figures[verdict]; !found.empty()) {
+            fmt::print("look first at {}: a comparison {}\n", fmt::join(found, ", "),
                        verdict == Verdict::disagrees ? "disagrees" : "is undecided");
-            return;
+            break;
         }
+    return agree;
 }
 
 // Regenerates figures and prints their comparisons; false if one disagrees. A shard only runs.
@@ -81,28 +86,19 @@ bool make_figures(std::filesystem::path const& verification, std::vector<std::st
                   std::vector<std::string> const& changes = {}) {
     std::vector<Figure> figures;
     for (auto const& id : ids) figures.push_back(load_figure(verification, id, budget, changes));
-    std::map<std::string, std::vector<Comparison>> comparisons;
     auto const run_time = run_points(figures, options, [&](Figure const& one) {
-        comparisons[one.id] = dpd::compare(one);
-        write_figure(one, comparisons[one.id], budget, options.output);
+        write_figure(one, dpd::compare(one), budget, options.output);
     });
     if (!run_time) return true;
     if (ids == figure_ids(verification)) write_run_time(*run_time, budget, options.output);
-    std::vector<Comparison> all;
-    for (auto const& id : ids) all.insert(all.end(), comparisons[id].begin(), comparisons[id].end());
-    bool const agree = dpd::report(all, options.output);
-    print_summary(all, options.output);
-    return agree;
+    return report_of(ids, options.output);
 }
 
 // Judges and draws what is on disk, without a run.
 bool redraw_figures(std::filesystem::path const& verification, std::vector<std::string> const& ids,
                     std::string const& budget, CampaignOptions const& options) {
     for (auto const& id : ids) redraw_figure(load_figure(verification, id, budget), options.output);
-    auto const all = load_comparisons(options.output);
-    bool const agree = dpd::report(all, options.output);
-    print_summary(all, options.output);
-    return agree;
+    return report_of(ids, options.output);
 }
 
 // The study of the integrators, and the figures that are defined beside it.

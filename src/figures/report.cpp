@@ -172,27 +172,29 @@ std::string summary_of(std::vector<Row> const& rows) {
 
 }  // namespace
 
-bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output) {
-    std::vector<Row> rows;
+bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output,
+            std::vector<std::string> const& ids) {
+    std::vector<Row> rows, printed;
     std::map<std::string_view, std::size_t> count;
     std::size_t const family = family_of(comparisons);
     for (auto const& comparison : comparisons) {
         rows.push_back(row_of(comparison, family));
+        if (!ids.empty() && std::find(ids.begin(), ids.end(), comparison.figure) == ids.end()) continue;
+        printed.push_back(rows.back());
         ++count[verdict_text(rows.back().verdict, rows.back().kind)];
     }
-    print_table(rows);
-    std::string const summary = summary_of(rows);
+    write_file(output / "report.csv", csv_of(rows));
+    write_file(output / "report.json", json_of(rows));
+    write_file(output / "report.md", summary_of(rows));
+    print_table(printed);
     fmt::print(
         "{}{} comparisons: {} agree, {} disagree, {} undecided, {} described; false-alarm rate of the whole "
         "table "
         "{} %\n",
-        summary, rows.size(), count["agrees"], count["disagrees"], count["undecided"], count["described"],
-        100.0 * family_false_alarm);
+        summary_of(printed), printed.size(), count["agrees"], count["disagrees"], count["undecided"],
+        count["described"], 100.0 * family_false_alarm);
     print_run_time(output / "run_time.json");
     print_run_time(output / "quick" / "run_time.json");
-    write_file(output / "report.csv", csv_of(rows));
-    write_file(output / "report.json", json_of(rows));
-    write_file(output / "report.md", summary);
     return count["disagrees"] == 0;
 }
 

@@ -14,9 +14,10 @@ namespace dpd {
 /// Writes the run time of all figures at a budget to `output`, for `report`.
 void write_run_time(RunTime const& run_time, std::string const& budget, std::filesystem::path const& output);
 
-/// Prints the table of comparisons, and the run times that run_time.json in `output` and in its `quick`
-/// state, and writes report.csv, report.json and report.md, the summary by kinds, to `output`. True if none
-/// disagrees.
-bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output);
+/// Writes report.csv, report.json and report.md, the summary by kinds, of all comparisons to `output`, and
+/// prints the table of those of the figures `ids` (of all where there are none) with the run times that
+/// run_time.json in `output` and in its `quick` state. True if none that is printed disagrees.
+bool report(std::vector<Comparison> const& comparisons, std::filesystem::path const& output,
+            std::vector<std::string> const& ids = {});
 
 }  // namespace dpd

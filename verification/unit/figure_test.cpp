@@ -1122,6 +1122,19 @@ std::vector<std::string> csv_fields(std::string const& line) {
 
 }  // namespace
 
+// `dpdref figure ng1a` judges ng1a alone, and the table on disk keeps all figures.
+BOOST_FIXTURE_TEST_CASE(a_run_of_one_figure_keeps_the_table_of_all, Fixture) {
+    auto right = compared(1.0, 0.001, 1.0), wrong = compared(2.0, 0.001, 1.0);
+    right.figure = "ng1a";
+    wrong.figure = "ng1b";
+    BOOST_TEST(!report({right, wrong}, directory));
+    std::string const whole = read_file(directory / "report.csv");
+    BOOST_TEST(report({right, wrong}, directory, {"ng1a"}));
+    BOOST_TEST(read_file(directory / "report.csv") == whole);
+    BOOST_TEST(!report({right, wrong}, directory, {"ng1b"}));
+    BOOST_TEST(read_file(directory / "report.csv") == whole);
+}
+
 // Names with commas and quotes come back as they were; a description is not called agreement.
 BOOST_FIXTURE_TEST_CASE(the_table_as_csv_can_be_parsed, Fixture) {
     auto one = compared(1.01, 0.01, 1.0);
