@@ -25,6 +25,7 @@ addEventListener("load", () => {
 addEventListener("DOMContentLoaded", () => {
     for (const code of document.querySelectorAll("div.contents code, div.contents pre.fragment, div.contents a.el")) {
         if (code.closest("div.fragment, .memproto")) continue
+        const folds = !code.matches("pre") || code.closest("details")  // other commands are not folded but scroll
         const walk = document.createTreeWalker(code, NodeFilter.SHOW_TEXT), texts = []
         while (walk.nextNode()) texts.push(walk.currentNode)
         for (const text of texts) {
@@ -32,7 +33,7 @@ addEventListener("DOMContentLoaded", () => {
             if (parts.length === 1) continue
             text.replaceWith(...parts.flatMap((part, at) => {
                 if (at % 2 === 0) return part
-                if (!part.startsWith("-")) return part.split(/(?<=[_/,=.]|::)(?!$)/).flatMap((piece, i) => i ? [document.createElement("wbr"), piece] : piece)
+                if (!/^--?[a-z][\w-]*$/.test(part)) return !folds ? part : part.split(/(?<=[_/,=]|::)(?!$)|(?<=\.)(?=[a-z_]{4})/).flatMap((piece, i) => i ? [document.createElement("wbr"), piece] : piece)
                 const option = document.createElement("span")
                 option.className = "option"
                 option.textContent = part
