@@ -22,24 +22,28 @@ addEventListener("load", () => {
 })
 
 // Where code in the text may end a line: a command never within an option (`--set`), a long name behind its joints and not within a word.
-addEventListener("DOMContentLoaded", () => {
-    for (const code of document.querySelectorAll("div.contents code, div.contents pre.fragment, div.contents a.el")) {
-        if (code.closest("div.fragment, .memproto")) continue
-        const folds = !code.matches("pre") || code.closest("details")  // other commands are not folded but scroll
-        const walk = document.createTreeWalker(code, NodeFilter.SHOW_TEXT), texts = []
-        while (walk.nextNode()) texts.push(walk.currentNode)
-        for (const text of texts) {
-            const parts = text.data.split(/((?<![\w-])--?[a-z][\w-]*|\S{13,})/)
-            if (parts.length === 1) continue
-            text.replaceWith(...parts.flatMap((part, at) => {
-                if (at % 2 === 0) return part
-                if (!/^--?[a-z][\w-]*$/.test(part)) return !folds ? part : part.split(/(?<=[_/,=]|::)(?!$)|(?<=\.)(?=[a-z_]{4})/).flatMap((piece, i) => i ? [document.createElement("wbr"), piece] : piece)
+const foldCode = (code, long) => {  // `long`: from how many letters on a word has joints
+    const walk = document.createTreeWalker(code, NodeFilter.SHOW_TEXT), texts = []
+    while (walk.nextNode()) texts.push(walk.currentNode)
+    for (const text of texts) {
+        const parts = text.data.split(/((?<![\w-])--?[a-z][\w-]*(?!\S)|\S+)/)
+        text.replaceWith(...parts.flatMap((part, at) => {
+            if (at % 2 && /^--?[a-z][\w-]*$/.test(part)) {
                 const option = document.createElement("span")
                 option.className = "option"
                 option.textContent = part
                 return option
-            }))
-        }
+            }
+            if (part.length < long) return part
+            return part.split(/(?<=[_/,=]|::)(?!$)|(?<=\.)(?=[a-z_]{4})/).flatMap((piece, i) => i ? [document.createElement("wbr"), piece] : piece)
+        }))
+    }
+}
+addEventListener("DOMContentLoaded", () => {
+    for (const code of document.querySelectorAll("div.contents code, div.contents pre.fragment, div.contents a.el")) {
+        if (code.closest("div.fragment, .memproto")) continue
+        if (code.matches("pre")) foldCode(code, code.closest("details") ? 30 : Infinity)  // other commands are not folded but scroll
+        else foldCode(code, code.closest("td, th") ? 13 : 24)
     }
 })
 
