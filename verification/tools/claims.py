@@ -324,7 +324,7 @@ def in_tex(text):
 def noted(claim, titles):
     """What the ledger says of a claim; another claim that it names is shown by its heading"""
     ids = "|".join(sorted(map(re.escape, titles), key=len, reverse=True))
-    return re.sub(rf"(?<![\w`-])(?:{ids})(?![\w`-])", lambda match: f'"\\ref claim-{match[0]} "{titles[match[0]]}""', in_tex(claim.get("note", "")))
+    return re.sub(rf"(?<![\w`-])(?:{ids})(?![\w`-])", lambda match: f'\\ref claim-{match[0]} "{titles[match[0]]}"', in_tex(claim.get("note", "")))
 
 
 def number(value, error):
