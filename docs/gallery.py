@@ -46,11 +46,16 @@ def meaning(kinds):
         if not (rows := kinds.get(kind)):
             continue
         count = collections.Counter(row["verdict"] for row in rows)
-        words = ", ".join(f"{n} {word}" for word, n in count.most_common())
+        words = ", ".join(f"{n} {word if n == 1 or not word.endswith('agrees') else word.removesuffix('s')}" for word, n in count.most_common())
         noticed = [float(row["noticeable_percent"]) for row in rows if row["noticeable_percent"] != "inf"]
         lines.append(f"| {kind} | {says} | {words} | "
                      f"{f'{statistics.median(noticed):.2g} %' if noticed else ''} |")
     return lines
+
+
+def called(figure):
+    """A figure as the papers call it"""
+    return f"{figure['paper']} Fig. {figure['figure']}" if figure["figure"][:1].isdigit() else f"{figure['paper']}, {figure['figure']}"
 
 
 def again(name):
@@ -62,14 +67,15 @@ def again(name):
 def definition(name, figure):
     """The page that holds figure.toml, and says how to change it"""
     folder = ROOT / "verification" / name
-    lines = [f"# Definition of {name} {{#definition-{name}}}", "",
-             f"What `dpdref figure {name}` simulates and compares, verification/{name}/figure.toml, and how it is drawn, plot.gp. "
+    lines = [f"# Definition of {called(figure)} {{#definition-{name}}}", "",
+             f"*What does `dpdref figure {name}` simulate, and with what does it compare?* The first of the two files below says so, "
+             f"the second how it is drawn; they stand in verification/{name}. "
              f"The picture: \\ref figure-{name} \"{figure['title']}\". What the keys mean: \\ref figures.", "",
              "**Another parameter.** `--set` changes a key of the scenes in every curve that has its table; the picture goes to figures/changed. "
              "Only runs that are new are made. For example:", "",
              f"    {again(name)}", ""]
     for file, language in (("figure.toml", "toml"), ("plot.gp", "gnuplot")):
-        lines += [f"## {file} of {name}", "", f"```{language}", (folder / file).read_text(encoding="utf-8").rstrip(), "```", ""]
+        lines += [f"## {file}", "", f"```{language}", (folder / file).read_text(encoding="utf-8").rstrip(), "```", ""]
     return "\n".join(lines)
 
 
@@ -104,7 +110,7 @@ def main():
             lines += ["Not yet drawn at the paper's fidelity.", ""]
         lines += [f"Set-up: {plain(figure['caption'])}", "",
                   f"Draw it: `dpdref figure {name}`. With another parameter: `{again(name)}`. All of it: "
-                  f"\\subpage definition-{name} \"the definition of {name}\"."]
+                  f"\\subpage definition-{name} \"the definition\"."]
         if (ROOT / "figures" / f"{name}.convergence.svg").is_file():
             lines += ["", "Error against run time:", "", f"\\image html {name}.convergence.svg"]
         (folder / f"definition-{name}.md").write_text(definition(name, figure), encoding="utf-8")

@@ -21,6 +21,50 @@ addEventListener("load", () => {
     else solutions(false)
 })
 
+// Where code in the text may end a line: a command never within an option (`--set`), a long name behind its joints and not within a word.
+const foldCode = (code, long) => {  // `long`: from how many letters on a word has joints
+    const walk = document.createTreeWalker(code, NodeFilter.SHOW_TEXT), texts = []
+    while (walk.nextNode()) texts.push(walk.currentNode)
+    for (const text of texts) {
+        const parts = text.data.split(/((?<![\w-])--?[a-z][\w-]*(?!\S)|\S+)/)
+        text.replaceWith(...parts.flatMap((part, at) => {
+            if (at % 2 && /^--?[a-z][\w-]*$/.test(part)) {
+                const option = document.createElement("span")
+                option.className = "option"
+                option.textContent = part
+                return option
+            }
+            if (part.length < long) return part
+            return part.split(/(?<=[_/,=]|::)(?!$)|(?<=\.)(?=[a-z_]{4})/).flatMap((piece, i) => i ? [document.createElement("wbr"), piece] : piece)
+        }))
+    }
+}
+addEventListener("DOMContentLoaded", () => {
+    for (const code of document.querySelectorAll("div.contents code, div.contents pre.fragment, div.contents a.el")) {
+        if (code.closest("div.fragment, .memproto")) continue
+        if (code.matches("pre")) foldCode(code, code.closest("details") ? 30 : Infinity)  // other commands are not folded but scroll
+        else foldCode(code, code.closest("td, th") ? 13 : 24)
+    }
+})
+
+// Doxygen puts a space before every formula, behind a bracket, too. MathJax sets them later.
+addEventListener("DOMContentLoaded", () => {
+    const walk = document.createTreeWalker(document.querySelector("div.contents") || document.body, NodeFilter.SHOW_TEXT)
+    while (walk.nextNode())
+        if (walk.currentNode.data.includes("( \\(")) walk.currentNode.data = walk.currentNode.data.replaceAll("( \\(", "(\\(")
+})
+
+// On a phone a column of sentences is as wide as a sentence needs, and the table scrolls.
+addEventListener("DOMContentLoaded", () => {
+    for (const table of document.querySelectorAll("table.markdownTable")) {
+        const rows = [...table.rows].map(row => [...row.cells])
+        rows[0]?.forEach((_, at) => {
+            const column = rows.map(row => row[at]).filter(cell => cell), longest = Math.max(...column.map(cell => cell.textContent.trim().length))
+            if (longest > 12) column.forEach(cell => cell.classList.add(longest > 60 ? "sentences" : longest > 25 ? "phrases" : "words"))
+        })
+    }
+})
+
 // The sidebar shows the parts of the book from the beginning; Doxygen makes its items some time after the page is loaded.
 addEventListener("load", () => {
     const unfold = tries => {

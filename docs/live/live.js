@@ -381,7 +381,10 @@ const Live = {
             tell()
         }
         const tell = () => {
-            if (page.command) command.textContent = page.command(page.values)
+            if (page.command) {
+                command.textContent = page.command(page.values)
+                foldCode(command, 30)  // docs/reader.js
+            }
         }
         const draw = () => page.views.forEach((view, k) => view.draw(canvases[k], page))
         const write = () => {

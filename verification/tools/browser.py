@@ -3,9 +3,10 @@
 
 usage: browser.py FOLDER [PAGE.html...] [--pictures DIR]     FOLDER as the target `docs` makes it: BUILD/docs/html
 
-On the front page it types into the search, too (FOUND says what must come first). A defect is a formula that is not set, a picture that is not shown, a request that leaves the file system, a script
-error, something wider than the screen that does not scroll in itself, something wider than the paper, text too faint
-to read, or navigation in print. One line each, then a summary.
+On the front page it types into the search, too (FOUND says what must come first). A defect is a formula that is not set,
+Markdown that is shown as it stands, a picture that is not shown, a request that leaves the file system, a script error,
+something wider than the screen that does not scroll in itself, something wider than the paper, text too faint to read, or
+navigation in print. One line each, then a summary.
 --pictures writes PNGs of what was seen, and the printed page as PDF.
 Exit code 0, 1 with a defect, 2 bad usage, 77 without a browser. Python's standard library only.
 """
@@ -83,6 +84,7 @@ SEARCH = r"""(async words => {
 
 READY = """new Promise(done => window.MathJax ? MathJax.Hub.Register.StartupHook('End', () => done(0)) : done(0)).then(() => {
     document.querySelectorAll('details').forEach(each => { each.open = true });
+    if (window.toggleLevel && document.querySelector('table.directory')) toggleLevel(9);
     return new Promise(done => setTimeout(() => done(0), 0)); })"""
 
 FORMULAS = r"""(() => {
@@ -92,7 +94,7 @@ FORMULAS = r"""(() => {
     let raw = 0;
     while (words.nextNode())
         if (!words.currentNode.parentElement.closest("script, style, code, pre, .fragment")
-            && /\\f[$[{]|\\\(|\\\[/.test(words.currentNode.data)) raw++;
+            && /\\f[$[{]|\\\(|\\\[|\*\*\S|\S\*\*|\\(ref|subpage)\b|@(figure|live|eq|data|measured)\{/.test(words.currentNode.data)) raw++;
     return {
         set: [...document.querySelectorAll(".MathJax_SVG > svg")].filter(s => s.clientWidth > 0).length,
         wrong: all.filter(jax => wrong(jax.root)).map(jax => jax.originalText),
@@ -288,11 +290,11 @@ def look(browser, file, pictures):
             details = event["params"]["exceptionDetails"]
             defects.append(f"script error: {details.get('exception', details).get('description', details['text'])}")
     seen = browser.value(FORMULAS)
-    formulas = Formulas(file.read_text(encoding="utf-8")).count
+    formulas = 0 if file.name.endswith("_source.html") else Formulas(file.read_text(encoding="utf-8")).count  # a source may search for brackets
     if seen["set"] != formulas:
         defects.append(f"{seen['set']} of {formulas} formulas set")
     if seen["raw"]:
-        defects.append(f"{seen['raw']} formulas shown as TeX")
+        defects.append(f"{seen['raw']} places shown as TeX, Markdown or a command of Doxygen")
     defects += [f"formula with an error: {text}" for text in seen["wrong"]]
     defects += [f"picture not shown: {source}" for source in seen["lost"]]
     if file.name == "index.html":

@@ -321,6 +321,12 @@ def in_tex(text):
     return "".join(map(one, pieces))
 
 
+def noted(claim, titles):
+    """What the ledger says of a claim; another claim that it names is shown by its heading"""
+    ids = "|".join(sorted(map(re.escape, titles), key=len, reverse=True))
+    return re.sub(rf"(?<![\w`-])(?:{ids})(?![\w`-])", lambda match: f'\\ref claim-{match[0]} "{titles[match[0]]}"', in_tex(claim.get("note", "")))
+
+
 def number(value, error):
     if not error:
         return f"{value:.5g}"
@@ -419,7 +425,7 @@ def commands(claim):
 def clause(text, longest):
     """The first clause of a text, or as many of its words as fit"""
     for ends in (";.", ":;."):
-        first = re.split(rf"(?<!\b[Ee]q)(?<!\b[Ee]qs)(?<!\bFig)(?<!\bFigs)(?<!\bsect)[{ends}](?:\s|$)", text.strip())[0]
+        first = re.split(rf"(?<!\b[Ee]q)(?<!\b[Ee]qs)(?<!\bFig)(?<!\bFigs)(?<!\bsect)(?<!\bref)[{ends}](?:\s|$)", text.strip())[0]
         if len(first) <= longest:
             return first
     return first[:first.rindex(" ", 0, longest)] + " ..."
@@ -440,11 +446,11 @@ def headings(claims):
     return found
 
 
-def details(claim, title, rows, tests, known_sections):
-    now = verdict(claim, rows)
+def details(claim, titles, rows, tests, known_sections):
+    now, title = verdict(claim, rows), titles[claim["id"]]
     yield f"### {title} {{#claim-{claim['id']}}}"
     yield ""
-    yield f"**{now[0].upper()}{now[1:]}**" + (f". {in_tex(claim['note'])}" if "note" in claim else ".")
+    yield f"**{now[0].upper()}{now[1:]}**" + (f". {noted(claim, titles)}" if "note" in claim else ".")
     yield ""
     yield "\\htmlonly <details class=\"solution\" open><summary>Evidence</summary> \\endhtmlonly"
     yield ""
@@ -504,7 +510,7 @@ def page(claims, rows):
         "",
         "## What is not reproduced", "",
         "| paper | claim | why |", "|---|---|---|",
-        *(f"| {claim['paper']} | \\ref claim-{claim['id']} \"{titles[claim['id']]}\" | {plain(claim.get('note', ''))} |"
+        *(f"| {claim['paper']} | \\ref claim-{claim['id']} \"{titles[claim['id']]}\" | {' '.join(noted(claim, titles).split())} |"
           for claim in claims if verdict(claim, rows) == NO),
         "",
         "## How to read a verdict", "",
@@ -524,7 +530,7 @@ def page_of_paper(paper, claims, rows, tests, known_sections):
     lines += [f"| \\ref claim-{claim['id']} \"{titles[claim['id']]}\" | {verdict(claim, rows)} |" for claim in own]
     lines += ["", "## One by one", ""]
     for claim in own:
-        lines += details(claim, titles[claim["id"]], rows, tests, known_sections)
+        lines += details(claim, titles, rows, tests, known_sections)
     return "\n".join(lines) + "\n"
 
 

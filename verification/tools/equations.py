@@ -255,9 +255,9 @@ def page(book, tests):
     lines = [
         "# Index of equations {#equations}",
         "",
-        "Every numbered equation of the papers: where it is derived, the code that computes it, the tests that prove "
-        "it and the figures that show it, or the reason why it needs none. The page is generated; a test (`equations`) "
-        "fails when an equation is missing. Names of code and tests lead to the source.",
+        "*Where is an equation of the papers derived, which code computes it, and what proves it?* Below stands for every numbered one its "
+        "derivation, its code, its tests and the figures that show it, or the reason why it needs none. The page is generated; a test "
+        "(`equations`) fails when an equation is missing. Names of code and tests lead to the source.",
         "",
         "Go to: " + ", ".join(f"\\ref equations-{p.lower()} \"{p}\"" for p in book) + ".",
     ]

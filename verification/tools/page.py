@@ -45,15 +45,19 @@ def captions():
     return tomllib.loads(read(ROOT / "docs" / "captions.toml"))
 
 
+def named(name):
+    """A figure as the papers call it"""
+    figure = tomllib.loads(read(ROOT / "verification" / name / "figure.toml"))
+    number = figure["figure"]
+    return f"{figure['paper']} Fig. {number}" if number[:1].isdigit() else f"{figure['paper']}, {number}"
+
+
 def picture(name):
     """file, what it is, where more is said"""
     entry = captions()[name]
     if "folder" in entry:
         return f"figures/{entry['folder']}/{name}.svg", "", f"`{entry['again']}` draws it."
-    figure = tomllib.loads(read(ROOT / "verification" / name / "figure.toml"))
-    number = figure["figure"]
-    title = f"{figure['paper']} Fig. {number}" if number[:1].isdigit() else f"{figure['paper']}, {number}"
-    return (f"figures/{name}.svg", f"<b>{title}.</b> ",
+    return (f"figures/{name}.svg", f"<b>{named(name)}.</b> ",
             f"\\ref figure-{name} \"Verdicts\", \\ref definition-{name} \"definition, and how to change a parameter\".")
 
 
@@ -79,7 +83,7 @@ def ends(text):
     label = LABEL.match(text)
     title = dict(contents())
     labels = [None, *title, None]
-    if not label:  # README.md, before the first
+    if not label or label[1] == "book":  # README.md and the contents, before the first
         around = None, labels[1]
     elif label[1] in title:
         at = labels.index(label[1])
@@ -90,7 +94,7 @@ def ends(text):
         return ""
     links = [f"<span class=\"{kind}\">" + (f"\\ref {here} \"{title[here]}\"" if here else "") + "</span>"
              for kind, here in zip(("previous", "next"), around)]
-    links.insert(1, "<span class=\"contents-link\">\\ref book \"Contents\"</span>")
+    links.insert(1, "<span class=\"contents-link\">" + ("" if label and label[1] == "book" else "\\ref book \"Contents\"") + "</span>")
     return "\n\n<div class=\"path\">\n" + "\n".join(links) + "\n</div>\n"
 
 
@@ -121,11 +125,35 @@ def words(text):
     return "\n".join(lines) + "\n</dl>\n"
 
 
+@functools.cache
+def labels():
+    """{file: label} of the written pages"""
+    return {str(file.relative_to(ROOT)): label[1] for file in equations.pages() if (label := LABEL.match(read(file)))}
+
+
+def linked(text):
+    """The name of a page's file, which is what one sees on GitHub, becomes the page's title, a figure's id the paper's number, a claim's id a word"""
+    title = {**dict(contents()), "book": "The book"}
+
+    def link(match):
+        label = labels().get(match[2] or match[3])
+        return f'\\ref {label} "{title[label]}"' if label in title else match[0]
+
+    text = re.sub(r'\\ref figure-([\w-]+) "\1"', lambda match: f'\\ref figure-{match[1]} "{named(match[1])}"', text)
+    text = re.sub(r'\\ref claim-([\w-]+) "\1"', r'\\ref claim-\1 "claim"', text)
+    return re.sub(r"\[(((?:docs|theory)/\w+\.md))\]\(\1\)|(?<![\w`(/\[\"])((?:docs|theory)/\w+\.md)(?![\w`\"])", link, text)
+
+
 def for_doxygen(text):
-    """Its Markdown makes nothing bold that begins or ends with code, and takes an apostrophe within code for the end of a quotation"""
+    """Pages by title, numbers that stay with their signs; its Markdown makes nothing bold that begins or ends with code or a quotation mark, and
+    takes an apostrophe within code for the end of a quotation"""
     parts = re.split(r"(^```.*?^```$|^    .*?$)", text, flags=re.DOTALL | re.MULTILINE)
     for at in range(0, len(parts), 2):
-        parts[at] = re.sub(r"\*\*(`[^*\n]+|[^*\n]+`)\*\*", r"<b>\1</b>", parts[at])
+        parts[at] = linked(parts[at])
+        parts[at] = re.sub(r"(?<=[\d)]) (±|\+-) (?=\d)", "\u00a0±\u00a0", parts[at])
+        parts[at] = re.sub(r"(?<![\w.])\d(?:\.\d+)?e\+0\d(?=\s)", lambda number: f"{float(number[0]):g}", parts[at])
+        parts[at] = re.sub(r"(?<=[\d)]) %", "\u00a0%", parts[at])
+        parts[at] = re.sub(r"\*\*([`\"][^*\n]+|[^*\n]+[`\"])\*\*", r"<b>\1</b>", parts[at])
         parts[at] = re.sub(r"(?<!`)`((?:[^`\n]|\n(?!\n))+)`(?!`)", lambda code: f"`{code[0]}`" if "'" in code[1] else code[0], parts[at])
     return "".join(parts)
 
@@ -134,8 +162,6 @@ def made(file):
     text = equations.labelled(file)
     if file.name == "glossary.md":
         text = words(text)
-    if file.name == "book.md":
-        text = grouped(text)
     text = LIVE.sub(lambda match: live(match[1]), text)
     text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
     text = measured.drawn(text)
@@ -145,7 +171,8 @@ def made(file):
     text = re.sub(r"^\\solution$", "\\\\htmlonly <details class=\"solution\" open><summary>Solution</summary> \\\\endhtmlonly", text,
                   flags=re.MULTILINE)
     text = re.sub(r"^\\endsolution$", r"\\htmlonly </details> \\endhtmlonly", text, flags=re.MULTILINE)
-    return text.rstrip() + ends(text) + "\n"
+    text = text.rstrip() + ends(text) + "\n"
+    return grouped(text) if file.name == "book.md" else text  # the end of the contents before the pages that follow it
 
 
 def mistakes():
