@@ -12,6 +12,8 @@ import sys
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.append(str(ROOT / "verification" / "tools"))
+import page
 
 
 def plain(text):
@@ -53,21 +55,15 @@ def meaning(kinds):
     return lines
 
 
-def called(figure):
-    """A figure as the papers call it"""
-    return f"{figure['paper']} Fig. {figure['figure']}" if figure["figure"][:1].isdigit() else f"{figure['paper']}, {figure['figure']}"
-
-
 def again(name):
     """The command that draws a figure with another parameter"""
-    with (ROOT / "docs" / "captions.toml").open("rb") as captions:
-        return f"dpdref figure {name} --set '{tomllib.load(captions).get(name, {}).get('change', 'time.step=0.01')}'"
+    return f"dpdref figure {name} --set '{page.captions()[name]['change']}'"
 
 
 def definition(name, figure):
     """The page that holds figure.toml, and says how to change it"""
     folder = ROOT / "verification" / name
-    lines = [f"# Definition of {called(figure)} {{#definition-{name}}}", "",
+    lines = [f"# Definition of {page.named(name)} {{#definition-{name}}}", "",
              f"*What does `dpdref figure {name}` simulate, and with what does it compare?* The first of the two files below says so, "
              f"the second how it is drawn; they stand in verification/{name}. "
              f"The picture: \\ref figure-{name} \"{figure['title']}\". What the keys mean: \\ref figures.", "",
