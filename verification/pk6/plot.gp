@@ -8,7 +8,7 @@ all(n, quantity) = "all:".word(names, n).":".quantity
 @upper
 set bmargin at screen 0.555
 set logscale y
-set xrange [0:21]; set yrange [1e-6:0.1]
+set xrange [0:21]; set yrange [1e-6:1]
 set format x "%g"; set format y "10^{%T}"
 set xtics 5
 set xlabel "atoms per particle N_m" offset 0,0.6
