@@ -189,16 +189,24 @@ void apply(EulerImpulses const& stage, Simulation<d>& simulation, NoiseKey key) 
         double const* const r = view.distance + block.begin;
         double* const impulse = view.impulse + block.begin;  // now standard normals
         with_value(stage.weight.kind, [&]<Weight::Kind w>() {
-            wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff, exponent = stage.weight.exponent,
-                                     random_weight = stage.random_weight, drag = drag.data()](std::size_t k) {
-                // [euler coefficients]
-                double const x = r[k] * per_cutoff;
-                double const w_d = x < 1.0 ? weight_at<w>(x, exponent) : 0.0;
-                double const w_r = random_weight ? weight_at(*random_weight, x) : std::sqrt(w_d);
-                drag[k] = most_drag * w_d;
-                impulse[k] *= noise * w_r;
-                // [euler coefficients]
-            });
+            // by the caller's w_R, since a branch for every pair would leave vectors unused
+            auto const find_coefficients = [&](auto random_weight) {
+                wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff,
+                                         exponent = stage.weight.exponent,
+                                         drag = drag.data()](std::size_t k) {
+                    // [euler coefficients]
+                    double const x = r[k] * per_cutoff;
+                    double const w_d = x < 1.0 ? weight_at<w>(x, exponent) : 0.0;
+                    double const w_r = random_weight(x, w_d);
+                    drag[k] = most_drag * w_d;
+                    impulse[k] *= noise * w_r;
+                    // [euler coefficients]
+                });
+            };
+            if (stage.random_weight)
+                find_coefficients([own = *stage.random_weight](double x, double) { return weight_at(own, x); });
+            else
+                find_coefficients([](double, double w_d) { return std::sqrt(w_d); });
         });
         for_each_pair(pairs, simulation.box, block,
                       [=, drag = drag.data(), friction = friction.data()](std::size_t k, auto image_speed) {
