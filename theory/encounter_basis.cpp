@@ -124,19 +124,15 @@ RadialMesh::RadialMesh(int d, int inside, double outermost) : d_(d) {
 }
 
 std::vector<Point> RadialMesh::points(int element) const {
-    return points(element, ends_[element], ends_[element + 1]);
-}
-
-std::vector<Point> RadialMesh::points(int element, double from, double to) const {
     using Gauss = boost::math::quadrature::gauss<double, 10>;  // holds the nodes >= 0 only
     double const start = ends_[element], width = ends_[element + 1] - start;
     std::vector<Point> result;
     for (std::size_t g = 0; g < Gauss::abscissa().size(); ++g)
         for (double const sign : {-1.0, 1.0}) {
-            double const r = 0.5 * (from + to + sign * (to - from) * Gauss::abscissa()[g]);
+            double const r = start + 0.5 * width * (1.0 + sign * Gauss::abscissa()[g]);
             auto const [value, slope] = shape_functions((r - start) / width);
             double const volume =
-                unit_sphere_surface(d_) * std::pow(r, d_ - 1) * 0.5 * (to - from) * Gauss::weights()[g];
+                unit_sphere_surface(d_) * std::pow(r, d_ - 1) * 0.5 * width * Gauss::weights()[g];
             result.push_back({r, volume, value, slope / width});
         }
     return result;

@@ -99,8 +99,6 @@ public:
     double end(int element) const { return ends_[element + 1]; }
     /// Points of the Gauss rule on an element.
     std::vector<Point> points(int element) const;
-    /// Points of the Gauss rule on the part [from, to] of an element.
-    std::vector<Point> points(int element, double from, double to) const;
 
 private:
     int d_;

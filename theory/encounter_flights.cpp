@@ -172,7 +172,7 @@ struct Distance {
 };
 
 std::vector<Distance> distances(int d) {
-    constexpr int parts = 10;  // for the shortest wave
+    constexpr int parts = 12;  // for the shortest wave
     std::vector<Distance> result;
     for (int part = 0; part < parts; ++part)
         for_each_gauss_point(part / double{parts}, (part + 1.0) / parts, [&](double s, double weight) {
@@ -189,25 +189,25 @@ std::vector<Distance> distances(int d) {
     return result;
 }
 
-/// Calls action(k, weight) for an integral over wave numbers of what oscillates with the period pi of the
-/// range and falls like a power.
+/// Calls action(k, weight) for an integral over wave numbers of what oscillates with the periods pi and 2 pi
+/// of the range's two ends and falls like a power.
 template <class Action>
 void for_each_wave_number(Action const& action) {
     using std::numbers::pi;
-    constexpr int periods = 18;
-    std::vector<double> ends{0.0, 0.3, 1.0};
+    constexpr int periods = 10;
+    std::vector<double> ends{0.0, 0.3 * pi};
     for (int period = 0; period <= periods; period += 2) ends.push_back((period + 1) * pi);
     for (std::size_t part = 0; part + 1 < ends.size(); ++part)
         for_each_gauss_point(ends[part], ends[part + 1], action);
-    // beyond, the mean of a half and the next half of a period, up to four times the wave number
+    // beyond, up to three times the wave number, means over both periods
     using Few = boost::math::quadrature::gauss<double, 5>;
-    double const last = ends.back(), lowest = 0.25, half = 0.5 * (1.0 - lowest);
+    double const last = ends.back(), lowest = 1.0 / 3.0, half = 0.5 * (1.0 - lowest);
     for (std::size_t g = 0; g < Few::abscissa().size(); ++g)
         for (double const sign : {-1.0, 1.0}) {
             if (g == 0 && sign < 0.0) continue;  // the one in the middle
             double const x = 1.0 - half * (1.0 + sign * Few::abscissa()[g]), k = last / x;
-            for (double const shift : {-0.25, 0.25})
-                action(k + shift * pi, 0.5 * half * Few::weights()[g] * last / square(x));
+            for (double const shift : {-0.75, -0.25, 0.25, 0.75})
+                action(k + shift * pi, 0.25 * half * Few::weights()[g] * last / square(x));
         }
 }
 
@@ -217,7 +217,7 @@ void for_each_wave_number(Action const& action) {
 class FlyingPair::Waves {
 public:
     Waves(Encounter const& pair, int rank)
-        : pair_(pair), rank_(rank), distances_(distances(pair.d)), medium_(0.0) {
+        : pair_(pair), rank_(rank), distances_(distances(pair.d)) {
         check(pair, 2);
         for_each_wave_number([&](double k, double weight) {
             double const density = unit_sphere_surface(pair_.d) * std::pow(k, pair_.d - 1) /
@@ -227,19 +227,24 @@ public:
         add_degree();
     }
 
-    /// \f$\int_0^\infty dt\,\langle X_0Y_t\rangle\f$ of signals, each a sum of sources: x M/(M + S) S y,
-    /// where M is what collisions take and S what of it flights bring to them again.
+    /// \f$\int_0^\infty dt\,\langle X_0Y_t\rangle\f$ of the signals X, Y, each a sum of sources.
     // [memory of a flying pair]
     Matrix memory(double medium, int degree, std::vector<std::vector<Source>> const& signals) {
-        fly(medium, degree);
-        Matrix const again = again_.topLeftCorner(size(degree), size(degree));
+        if (medium != medium_) solved_ = 0;
+        medium_ = medium;
+        while (highest() < degree) add_degree();
+        factorize(degree);
+        // what collisions take of both is M x and M y; with S for what flights bring to collisions again it is
+        // x S y - x S/(M + S) S y = x M y - x M/(M + S) M y
         Matrix sources(size(degree), static_cast<Eigen::Index>(signals.size()));
         for (std::size_t s = 0; s < signals.size(); ++s)
-            sources.col(static_cast<Eigen::Index>(s)) = in_functions(signals[s], degree);
-        Matrix all = again;
-        add_collisions(all, degree);
-        Matrix const later = all.partialPivLu().solve(again * sources);
-        return collided(sources, degree).transpose() * later;
+            sources.col(static_cast<Eigen::Index>(s)) = projected(signals[s], degree);
+        auto const factor =
+            factor_.topLeftCorner(size(degree), size(degree)).triangularView<Eigen::Lower>();
+        Vector const sign = signs(degree);
+        Matrix const first = factor.solve(sources), later = factor.solve(sign.asDiagonal() * sources);
+        return sources.transpose() * in_functions(sources, degree) -
+               first.transpose() * sign.asDiagonal() * later;
     }
     // [memory of a flying pair]
 
@@ -257,7 +262,6 @@ private:
     /// Those up to a degree, less one: the constant along r^ is not touched by a collision.
     Eigen::Index size(int degree) const { return first_[static_cast<std::size_t>(degree + 1)]; }
     Eigen::Index first(int degree) const { return first_[static_cast<std::size_t>(degree)]; }
-    Eigen::Index count(int degree) const { return (size(degree) - first(degree)) / radial_functions; }
 
     // [in waves]
     void add_degree() {
@@ -307,83 +311,93 @@ private:
         return result;
     }
 
-    /// Fills S up to a degree.
+    /// Rows of S from lower degrees and this one to this one.
     // [flights between collisions]
-    void fly(double medium, int degree) {
-        while (highest() < degree) add_degree();
-        if (medium != medium_) again_.resize(0, 0);
-        medium_ = medium;
-        auto const known = again_.rows();
-        if (known >= size(degree)) return;
-        again_.conservativeResizeLike(Matrix::Zero(size(degree), size(degree)));
+    Matrix flights_to(int to) const {
+        Matrix result = Matrix::Zero(size(to), size(to) - first(to));
         for (auto const& wave : waves_) {
-            Flights const flights(medium, pair_.step, wave.k, degree);
-            for (int to = 1; to <= degree; ++to) {
-                if (size(to) <= known) continue;
-                for (int from = 1; from <= to; ++from) {
-                    // those with the same velocities across k
-                    auto const &sent = wave.functions[static_cast<std::size_t>(from)],
-                               &met = wave.functions[static_cast<std::size_t>(to)];
-                    Vector weights(sent.rows());
-                    auto const functions = of_degree(pair_.d, rank_, from);
-                    for (std::size_t f = 0; f < functions.size(); ++f) {
-                        int const across = functions[f].tangential_degree();
-                        weights[static_cast<Eigen::Index>(f)] =
-                            wave.weight *
-                            flights.at_degree[static_cast<std::size_t>(across)](from - across, to - across);
-                    }
-                    again_.block(first(from), first(to), sent.cols(), met.cols()).noalias() +=
-                        sent.transpose() * (weights.asDiagonal() * met.topRows(sent.rows()));
+            Flights const flights(medium_, pair_.step, wave.k, to);
+            auto const& met = wave.functions[static_cast<std::size_t>(to)];
+            for (int from = 1; from <= to; ++from) {
+                // those with the same velocities across k
+                auto const& sent = wave.functions[static_cast<std::size_t>(from)];
+                auto const functions = of_degree(pair_.d, rank_, from);
+                Vector weights(sent.rows());
+                for (Eigen::Index f = 0; f < sent.rows(); ++f) {
+                    int const across = functions[static_cast<std::size_t>(f)].tangential_degree();
+                    weights[f] = wave.weight * flights.at_degree[static_cast<std::size_t>(across)](
+                                                   from - across, to - across);
                 }
+                result.middleRows(first(from), sent.cols()).noalias() +=
+                    sent.transpose() * (weights.asDiagonal() * met.topRows(sent.rows()));
             }
         }
-        // by time reversal
-        for (int to = 1; to <= degree; ++to)
-            for (int from = 1; from < to; ++from)
-                if (size(to) > known)
-                    again_.block(first(to), first(from), size(to) - first(to), size(from) - first(from)) =
-                        ((from + to) % 2 == 0 ? 1.0 : -1.0) *
-                        again_
-                            .block(first(from), first(to), size(from) - first(from), size(to) - first(to))
-                            .transpose();
+        return result;
     }
     // [flights between collisions]
 
-    /// Calls action(order i, row) for each function of the velocity.
+    /// Cholesky's factor of M + S degree by degree. By time reversal what is odd and even has the opposite
+    /// sign in both directions: with the signs of the rows of odd degrees turned it is symmetric, and of even
+    /// degrees positive, of odd ones negative.
+    // [factor]
+    void factorize(int degree) {
+        factor_.conservativeResizeLike(Matrix::Zero(size(degree), size(degree)));
+        for (int to = solved_ + 1; to <= degree; solved_ = to++) {
+            Eigen::Index const before = first(to), now = size(to) - before;
+            Matrix column = signs(to).asDiagonal() * flights_to(to);
+            double const sign = to % 2 == 0 ? 1.0 : -1.0;
+            for_each_function(to, to, [&](VelocityFunction const& f, Eigen::Index row) {
+                column.block<radial_functions, radial_functions>(row, row - before) += sign * mass(f);
+            });
+            Matrix const left =
+                factor_.topLeftCorner(before, before).triangularView<Eigen::Lower>().solve(column.topRows(before));
+            Matrix const signed_left = signs(to - 1).asDiagonal() * left;
+            Eigen::LLT<Matrix> const cholesky(sign *
+                                              (column.bottomRows(now) - left.transpose() * signed_left));
+            if (cholesky.info() != Eigen::Success)
+                throw std::domain_error(
+                    "the encounter of two particles could not be solved at these frictions");
+            factor_.block(before, 0, now, before) = signed_left.transpose();
+            factor_.block(before, before, now, now) = cholesky.matrixL();
+        }
+    }
+    /// Plus for functions of even degree, minus for those of odd.
+    Vector signs(int degree) const {
+        Vector result = Vector::Ones(size(degree));
+        for (int n = 1; n <= degree; n += 2) result.segment(first(n), size(n) - first(n)).setConstant(-1.0);
+        return result;
+    }
+    // [factor]
+
+    /// Calls action(function of the velocity, row) for those of the degrees [from, to].
     template <class Action>
-    void for_each_function(int degree, Action const& action) const {
-        for (int n = 1; n <= degree; ++n) {
+    void for_each_function(int from, int to, Action const& action) const {
+        for (int n = from; n <= to; ++n) {
             auto const functions = of_degree(pair_.d, rank_, n);
-            for (Eigen::Index f = 0; f < count(n); ++f)
-                action(functions[static_cast<std::size_t>(f)], first(n) + f * radial_functions);
+            for (Eigen::Index row = first(n), f = 0; row < size(n); row += radial_functions, ++f)
+                action(functions[static_cast<std::size_t>(f)], row);
         }
     }
     RadialMatrix const& mass(VelocityFunction const& f) const { return mass_[static_cast<std::size_t>(f.i)]; }
 
-    void add_collisions(Matrix& matrix, int degree) const {
-        for_each_function(degree, [&](VelocityFunction const& f, Eigen::Index row) {
-            matrix.block<radial_functions, radial_functions>(row, row) += mass(f);
-        });
-    }
-    Matrix collided(Matrix const& vectors, int degree) const {
-        Matrix result(vectors.rows(), vectors.cols());
-        for_each_function(degree, [&](VelocityFunction const& f, Eigen::Index row) {
-            result.middleRows<radial_functions>(row) = mass(f) * vectors.middleRows<radial_functions>(row);
+    /// A signal by its projections on the functions, M x ...
+    Vector projected(std::vector<Source> const& signal, int degree) const {
+        Vector result = Vector::Zero(size(degree));
+        for_each_function(1, degree, [&](VelocityFunction const& f, Eigen::Index row) {
+            for (auto const& source : signal)
+                if (source.function == f)
+                    for (auto const& [r, volume, functions] : distances_)
+                        result.segment<radial_functions>(row) +=
+                            volume * source.amplitude(pair_, r) * functions;
         });
         return result;
     }
-
-    /// The x of which collisions make a signal.
-    Vector in_functions(std::vector<Source> const& signal, int degree) const {
-        Vector result = Vector::Zero(size(degree));
-        for_each_function(degree, [&](VelocityFunction const& f, Eigen::Index row) {
-            for (auto const& source : signal) {
-                if (!(source.function == f)) continue;
-                RadialVector share = RadialVector::Zero();
-                for (auto const& [r, volume, functions] : distances_)
-                    share += volume * source.amplitude(pair_, r) * functions;
-                result.segment<radial_functions>(row) = mass(f).llt().solve(share);
-            }
+    /// ... and x.
+    Matrix in_functions(Matrix const& signals, int degree) const {
+        Matrix result(signals.rows(), signals.cols());
+        for_each_function(1, degree, [&](VelocityFunction const& f, Eigen::Index row) {
+            result.middleRows<radial_functions>(row) =
+                mass(f).llt().solve(signals.middleRows<radial_functions>(row));
         });
         return result;
     }
@@ -395,8 +409,9 @@ private:
     std::vector<Eigen::Index> first_{0};      ///< row of the first function of each degree
     std::vector<std::vector<double>> taken_;  ///< by collisions, of each order i at each distance
     std::vector<RadialMatrix> mass_;          ///< M, of each order i
-    double medium_;
-    Matrix again_;  ///< S in this medium
+    double medium_ = 0.0;
+    int solved_ = 0;  ///< highest degree of the factor in this medium
+    Matrix factor_;   ///< of M + S
 };
 
 FlyingPair::FlyingPair(Encounter const& pair, int rank) : waves_(std::make_unique<Waves>(pair, rank)) {}
