@@ -526,14 +526,13 @@ public:
             collision.add(memory.collision);
             relaxation.add(memory.relaxation);
             cross.add(memory.cross);
-            double const of_cross = 0.5 * square(gas_.n) * cross.change() / gas_.stress_rate_at_once();
-            if (refined > 1 &&
-                0.5 * gas_.n * relaxation.change() < gas_.wanted * gas_.stress_rate_at_once() &&
-                0.5 * square(gas_.n) * collision.change() + of_cross <
+            double const of_cross = 0.5 * square(gas_.n) * cross.steady_change() / gas_.stress_rate_at_once();
+            if (0.5 * gas_.n * relaxation.steady_change() < gas_.wanted * gas_.stress_rate_at_once() &&
+                0.5 * square(gas_.n) * collision.steady_change() + of_cross <
                     gas_.wanted * gas_.collision_viscosity_at_once())
                 break;
         }
-        auto const converged = [](Sequence const& s) { return Converged{s.limit(), s.change()}; };
+        auto const converged = [](Sequence const& s) { return Converged{s.limit(), s.steady_change()}; };
         return {converged(collision), converged(relaxation), converged(cross)};
     }
 
@@ -576,9 +575,9 @@ Converged self_consistent_friction(Reduced const& gas, Pairs& pairs, Waves const
     for (int refined = 1; refined <= Pairs::refinements; ++refined) {
         zeta -= excess(zeta, refined) / slope;
         sequence.add(zeta);
-        if (sequence.change() < gas.wanted * zeta) break;
+        if (sequence.steady_change() < gas.wanted * zeta) break;
     }
-    return {sequence.limit(), sequence.change()};
+    return {sequence.limit(), sequence.steady_change()};
 }
 // [self-consistency]
 
