@@ -526,8 +526,10 @@ public:
             collision.add(memory.collision);
             relaxation.add(memory.relaxation);
             cross.add(memory.cross);
-            double const of_cross = 0.5 * square(gas_.n) * cross.steady_change() / gas_.stress_rate_at_once();
-            if (0.5 * gas_.n * relaxation.steady_change() < gas_.wanted * gas_.stress_rate_at_once() &&
+            double const rate = gas_.stress_rate_at_once() - 0.5 * gas_.n * relaxation.limit();
+            double const of_cross = 0.5 * square(gas_.n) * cross.steady_change() / rate;
+            // of the kinetic viscosity, n/rate, and of the other
+            if (0.5 * gas_.n * relaxation.steady_change() / rate + of_cross * rate / gas_.n < gas_.wanted &&
                 0.5 * square(gas_.n) * collision.steady_change() + of_cross <
                     gas_.wanted * gas_.collision_viscosity_at_once())
                 break;
