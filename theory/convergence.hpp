@@ -2,10 +2,12 @@
 /// Numbers that get better with the degree of the polynomials, and zeros of their functions. Not installed.
 #pragma once
 
+#include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -44,6 +46,13 @@ public:
     double limit() const { return limit(values_.size()); }
     /// How far off it may be: what the last value has changed in it.
     double change() const { return std::abs(limit() - limit(values_.size() - 1)); }
+    /// The larger of what each of the last two has changed, since one change may be small by chance; infinite
+    /// for less than three values.
+    double steady_change() const {
+        std::size_t const count = values_.size();
+        if (count < 3) return std::numeric_limits<double>::infinity();
+        return std::max(change(), std::abs(limit(count - 1) - limit(count - 2)));
+    }
 
 private:
     /// Of the first `count` values. Wynn's epsilon algorithm, of three values Aitken's.

@@ -20,8 +20,7 @@ using namespace encounter;
 // -----------------------------------------------------------------------------------------------------------
 // Velocities
 
-/// Share of an even function in what streaming makes of it in an odd one: slope d/dr + rotation/r + pushed
-/// (mean force).
+/// Share of an even function in what streaming makes of it in an odd one, as in Streamed.
 struct Coupling {
     int from;
     double slope, rotation, pushed;
@@ -31,8 +30,8 @@ struct Coupling {
 /// even ones up to `degree`, the odd ones up to degree + 1, which are all that streaming makes of the even.
 class VelocityBasis {
 public:
-    VelocityBasis(int d, int rank, int degree) : d_(d), rank_(rank), m_max_(highest_m(d, rank)) {
-        for (int m = 0; m <= m_max_; ++m)
+    VelocityBasis(int d, int rank, int degree) {
+        for (int m = 0; m <= highest_m(d, rank); ++m)
             for (int p = 0; 2 * p + m <= degree + 1; ++p)
                 for (int i = 0; i + 2 * p + m <= degree + 1; ++i) {
                     VelocityFunction const f{m, i, p};
@@ -42,58 +41,23 @@ public:
                         even.push_back(f);
                 }
         streaming.resize(odd.size());
-        for (int k = 0; k < static_cast<int>(even.size()); ++k) stream(k);
+        for (int k = 0; k < static_cast<int>(even.size()); ++k)
+            for (auto const& [to, slope, rotation, pushed] : stream(d, rank, even[k]))
+                if (int const row = odd_index(to); row >= 0)
+                    streaming[row].push_back({k, slope, rotation, pushed});
     }
 
-    int even_index(int m, int i, int p) const { return index_in(even, m, i, p); }
-    int odd_index(int m, int i, int p) const { return index_in(odd, m, i, p); }
+    int even_index(VelocityFunction const& f) const { return index_in(even, f); }
+    int odd_index(VelocityFunction const& f) const { return index_in(odd, f); }
 
     std::vector<VelocityFunction> even, odd;
     std::vector<std::vector<Coupling>> streaming;  ///< of each odd function
 
 private:
-    static int index_in(std::vector<VelocityFunction> const& list, int m, int i, int p) {
-        auto const found = std::ranges::find_if(
-            list, [&](VelocityFunction const& f) { return f.m == m && f.i == i && f.p == p; });
+    static int index_in(std::vector<VelocityFunction> const& list, VelocityFunction const& f) {
+        auto const found = std::ranges::find(list, f);
         return found == list.end() ? -1 : static_cast<int>(found - list.begin());
     }
-
-    /// By how much the rotation of r^ takes tensors of u_t^m to those of u_t^(m+1).
-    // [turning]
-    double turning(int m) const {
-        if (rank_ == 1) return 1.0;
-        return m == 0 ? std::sqrt(2.0 * d_ / (d_ - 1)) : std::sqrt(2.0 * (d_ - 2) / (d_ - 1));
-    }
-    // [turning]
-
-    /// u.grad of the even function k, row by row.
-    // [streaming]
-    void stream(int k) {
-        auto const [m, i, p] = even[k];
-        int const e = even[k].tangential_degree();
-        double const a = laguerre_index(d_, m);
-        auto const add = [&](VelocityFunction to, double slope, double rotation, double pushed = 0.0) {
-            int const row = odd_index(to.m, to.i, to.p);
-            if (row >= 0) streaming[row].push_back({k, slope, rotation, pushed});
-        };
-        // along r^, and the centrifugal change of u_r and |u_t|
-        add({m, i + 1, p}, std::sqrt(i + 1.0), -std::sqrt(i + 1.0) * e);
-        add({m, i - 1, p}, std::sqrt(i), std::sqrt(i) * (e + d_ - 1), std::sqrt(i));
-        add({m, i - 1, p + 1}, 0.0, -2.0 * std::sqrt(i * (p + 1) * (p + a + 1.0)));
-        add({m, i + 1, p - 1}, 0.0, 2.0 * std::sqrt((i + 1) * p * (p + a)));
-        // r^ turns
-        if (m < m_max_) {
-            add({m + 1, i, p}, 0.0, turning(m) * std::sqrt(2.0 * (p + a + 1.0)));
-            add({m + 1, i, p - 1}, 0.0, -turning(m) * std::sqrt(2.0 * p));
-        }
-        if (m > 0) {
-            add({m - 1, i, p}, 0.0, -turning(m - 1) * std::sqrt(2.0 * (p + a)));
-            add({m - 1, i, p + 1}, 0.0, turning(m - 1) * std::sqrt(2.0 * (p + 1)));
-        }
-    }
-    // [streaming]
-
-    int d_, rank_, m_max_;
 };
 
 // -----------------------------------------------------------------------------------------------------------
@@ -198,7 +162,7 @@ public:
         Eigen::VectorXd share = Eigen::VectorXd::Zero(unknowns());
         double at_once = 0.0;
         auto const& f = source.function;
-        int const o = basis_.odd_index(f.m, f.i, f.p);
+        int const o = basis_.odd_index(f);
         for_each_point_in_range([&](int element, Point const& point) {
             double const a = enhanced(source, point.r), relaxed = a / rate(f, point.r);
             at_once += point.volume * a * relaxed;
@@ -212,7 +176,7 @@ public:
     /// A source in an even function, added to `sum`.
     void add_even_source(Eigen::VectorXd& sum, Source const& source) const {
         auto const& f = source.function;
-        int const k = basis_.even_index(f.m, f.i, f.p);
+        int const k = basis_.even_index(f);
         for_each_point_in_range([&](int element, Point const& point) {
             add(sum, element, k, point.volume * enhanced(source, point.r) * point.shape);
         });
@@ -231,7 +195,7 @@ public:
             auto const& f = source.function;
             if (f.degree() % 2 == 1) {
                 odd.push_back(source);
-                int const o = basis_.odd_index(f.m, f.i, f.p);
+                int const o = basis_.odd_index(f);
                 for_each_point([&](int element, Point const& point) {
                     double const relaxed = source.amplitude(pair_, point.r) / rate(f, point.r);
                     for (auto const& coupling : basis_.streaming[o])
@@ -239,7 +203,7 @@ public:
                             -point.volume * speed * relaxed * streamed(coupling, point));
                 });
             } else {
-                int const k = basis_.even_index(f.m, f.i, f.p);
+                int const k = basis_.even_index(f);
                 for_each_point([&](int element, Point const& point) {
                     add(of_even, element, k, point.volume * source.amplitude(pair_, point.r) * point.shape);
                 });
@@ -254,7 +218,7 @@ public:
         for (auto const& X : first.odd)  // what is remembered before it streams
             for (auto const& Y : later.odd) {
                 auto const &f = X.function, &g = Y.function;
-                if (f.m != g.m || f.i != g.i || f.p != g.p) continue;
+                if (!(f == g)) continue;
                 for_each_point([&](int, Point const& point) {
                     sum += point.volume * X.amplitude(pair_, point.r) * Y.amplitude(pair_, point.r) /
                            rate(f, point.r);

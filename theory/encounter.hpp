@@ -56,8 +56,8 @@ struct Bounds {
 /// with \f$f=w\,\hat{\mathbf r}\cdot\mathbf g\f$: what the force of one partner remembers of itself. In steps
 /// \f$w\f$ is A/step, and the integral the sum over all later steps times the step.
 /// `degree` (even, >= 2) is the highest degree of the polynomials in the velocity. The drift of a step enters
-/// with its first two moments, which is exact for distances that change little in a step; StepEncounter has
-/// it exactly. Throws std::invalid_argument unless d is 2 or 3, the frictions are positive, the step is not
+/// with its first two moments, which is exact for distances that change little in a step; FlyingPair has it
+/// exactly. Throws std::invalid_argument unless d is 2 or 3, the frictions are positive, the step is not
 /// negative and the degree is allowed.
 Bounds force_memory(Encounter const& pair, int degree);
 
@@ -105,33 +105,35 @@ SoftStressMemory soft_stress_memory(Encounter const& pair, int degree);
 /// force_memory.
 double heat_memory(Encounter const& pair, double decay, double excess, int degree);
 
-/// The same sums over steps with the drift of a step exact: made once for a pair and a step, asked for any
-/// medium. Better the longer the step; at steps below 0.02 the elements in r are too wide for the flight.
-class StepEncounter {
+/// The same integrals (in steps: sums) with the flights between two collisions exact: a pair that leaves the
+/// range flies through the medium, straight or diffusing, until it is in range again, and all of that is a
+/// Gaussian integral for each wave vector. Polynomials of the velocity are needed in the range only. Made once
+/// for a pair and asked for any medium; what is known of lower degrees is kept.
+class FlyingPair {
 public:
     /// `rank` is 1 for the force, 2 for the stresses. The pair's `medium` has no meaning here. Throws as
     /// force_memory.
-    StepEncounter(Encounter const& pair, int rank, int degree);
-    ~StepEncounter();
+    FlyingPair(Encounter const& pair, int rank);
+    ~FlyingPair();
     /// Takes another's matrices.
-    StepEncounter(StepEncounter&&) noexcept;
+    FlyingPair(FlyingPair&&) noexcept;
     /// The same.
-    StepEncounter& operator=(StepEncounter&&) noexcept;
+    FlyingPair& operator=(FlyingPair&&) noexcept;
 
-    /// As dpd::theory::force_memory, for a friction of the medium.
-    double force_memory(double medium) const;
+    /// As dpd::theory::force_memory, for a friction of the medium; polynomials up to `degree` >= 2.
+    double force_memory(double medium, int degree);
     /// \f$\langle ss\rangle\f$, \f$\langle BB\rangle\f$, \f$\langle sB\rangle\f$ as in StressMemory.
     struct Stress {
         double collision;   ///< \f$\langle ss\rangle\f$
         double relaxation;  ///< \f$\langle BB\rangle\f$
         double cross;       ///< \f$\langle sB\rangle\f$
     };
-    /// As dpd::theory::stress_memory, for a friction of the medium.
-    Stress stress_memory(double medium) const;
+    /// As dpd::theory::stress_memory, for a friction of the medium; polynomials up to `degree` >= 2.
+    Stress stress_memory(double medium, int degree);
 
 private:
-    class Steps;
-    std::unique_ptr<Steps> steps_;
+    class Waves;
+    std::unique_ptr<Waves> waves_;
 };
 
 }  // namespace dpd::theory

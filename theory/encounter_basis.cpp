@@ -58,6 +58,43 @@ Source const relaxation_across{u_r_u_t, [](Encounter const& pair, double r) {
                                }};
 // [sources]
 
+namespace {
+/// By how much the rotation of r^ takes tensors of u_t^m to those of u_t^(m+1).
+// [turning]
+double turning(int d, int rank, int m) {
+    if (rank == 1) return 1.0;
+    return m == 0 ? std::sqrt(2.0 * d / (d - 1)) : std::sqrt(2.0 * (d - 2) / (d - 1));
+}
+// [turning]
+}  // namespace
+
+// [streaming]
+std::vector<Streamed> stream(int d, int rank, VelocityFunction const& function) {
+    auto const [m, i, p] = function;
+    int const e = function.tangential_degree();
+    double const a = laguerre_index(d, m);
+    std::vector<Streamed> result;
+    auto const add = [&](VelocityFunction to, double slope, double rotation, double pushed = 0.0) {
+        if (to.i >= 0 && to.p >= 0) result.push_back({to, slope, rotation, pushed});
+    };
+    // along r^, and the centrifugal change of u_r and |u_t|
+    add({m, i + 1, p}, std::sqrt(i + 1.0), -std::sqrt(i + 1.0) * e);
+    add({m, i - 1, p}, std::sqrt(i), std::sqrt(i) * (e + d - 1), std::sqrt(i));
+    add({m, i - 1, p + 1}, 0.0, -2.0 * std::sqrt(i * (p + 1) * (p + a + 1.0)));
+    add({m, i + 1, p - 1}, 0.0, 2.0 * std::sqrt((i + 1) * p * (p + a)));
+    // r^ turns
+    if (m < highest_m(d, rank)) {
+        add({m + 1, i, p}, 0.0, turning(d, rank, m) * std::sqrt(2.0 * (p + a + 1.0)));
+        add({m + 1, i, p - 1}, 0.0, -turning(d, rank, m) * std::sqrt(2.0 * p));
+    }
+    if (m > 0) {
+        add({m - 1, i, p}, 0.0, -turning(d, rank, m - 1) * std::sqrt(2.0 * (p + a)));
+        add({m - 1, i, p + 1}, 0.0, turning(d, rank, m - 1) * std::sqrt(2.0 * (p + 1)));
+    }
+    return result;
+}
+// [streaming]
+
 std::pair<ElementVector, ElementVector> shape_functions(double x) {
     auto const node = [](int a) { return 0.5 * (1.0 - std::cos(std::numbers::pi * a / order)); };
     ElementVector value, slope;
@@ -87,19 +124,15 @@ RadialMesh::RadialMesh(int d, int inside, double outermost) : d_(d) {
 }
 
 std::vector<Point> RadialMesh::points(int element) const {
-    return points(element, ends_[element], ends_[element + 1]);
-}
-
-std::vector<Point> RadialMesh::points(int element, double from, double to) const {
     using Gauss = boost::math::quadrature::gauss<double, 10>;  // holds the nodes >= 0 only
     double const start = ends_[element], width = ends_[element + 1] - start;
     std::vector<Point> result;
     for (std::size_t g = 0; g < Gauss::abscissa().size(); ++g)
         for (double const sign : {-1.0, 1.0}) {
-            double const r = 0.5 * (from + to + sign * (to - from) * Gauss::abscissa()[g]);
+            double const r = start + 0.5 * width * (1.0 + sign * Gauss::abscissa()[g]);
             auto const [value, slope] = shape_functions((r - start) / width);
             double const volume =
-                unit_sphere_surface(d_) * std::pow(r, d_ - 1) * 0.5 * (to - from) * Gauss::weights()[g];
+                unit_sphere_surface(d_) * std::pow(r, d_ - 1) * 0.5 * width * Gauss::weights()[g];
             result.push_back({r, volume, value, slope / width});
         }
     return result;

@@ -1,5 +1,5 @@
 /// @file
-/// What both solvers of the encounter share (encounter.cpp, encounter_steps.cpp): polynomials of the
+/// What both solvers of the encounter share (encounter.cpp, encounter_flights.cpp): polynomials of the
 /// velocity, finite elements in the distance, and what a collision takes. Not installed.
 #pragma once
 
@@ -29,6 +29,7 @@ struct VelocityFunction {
     int tangential_degree() const { return 2 * p + m; }
     /// Degree in u.
     int degree() const { return i + tangential_degree(); }
+    bool operator==(VelocityFunction const&) const = default;
 };
 
 constexpr VelocityFunction one{0, 0, 0};
@@ -41,6 +42,14 @@ constexpr VelocityFunction u_r_u_t{1, 1, 0};  ///< u_r u_t, normalized
 inline double laguerre_index(int d, int m) { return 0.5 * (d - 1) + m - 1; }
 /// Highest power of u_t in a tensor of that rank.
 inline int highest_m(int d, int rank) { return d == 2 ? std::min(rank, 1) : rank; }
+
+/// What streaming makes of a function, in another: slope d/dr + rotation/r + pushed (mean force).
+struct Streamed {
+    VelocityFunction to;             ///< the other
+    double slope, rotation, pushed;  ///< shares
+};
+/// u.grad of a function that turns with r^ like a tensor of that rank.
+std::vector<Streamed> stream(int d, int rank, VelocityFunction const& function);
 
 /// Throws std::invalid_argument for what has no meaning.
 void check(Encounter const& pair, int degree);
@@ -90,8 +99,6 @@ public:
     double end(int element) const { return ends_[element + 1]; }
     /// Points of the Gauss rule on an element.
     std::vector<Point> points(int element) const;
-    /// Points of the Gauss rule on the part [from, to] of an element.
-    std::vector<Point> points(int element, double from, double to) const;
 
 private:
     int d_;

@@ -510,57 +510,43 @@ struct ConvergedStressMemory {
     Converged collision, relaxation, cross;
 };
 
-/// What pairs remember in any medium: in short steps or continuous time by the equation of encounter.cpp, in
-/// longer ones step by step. Both get better with the degree of the polynomials.
+/// What pairs remember in any medium. It gets better with the degree of the polynomials.
 class Pairs {
 public:
-    explicit Pairs(Reduced const& gas) : gas_(gas) {}
+    explicit Pairs(Reduced const& gas)
+        : gas_(gas), force_(pair(gas), of_force), stress_(pair(gas), of_stress) {}
 
     /// Memory of the force, `refined` times better than at first.
-    double force(double zeta, int refined) {
-        if (!in_steps()) return force_memory(pair(zeta), lowest_degree + refined * degree_step).mean();
-        auto const made = static_cast<int>(force_.size());
-        for (int next = made; next <= refined; ++next)
-            force_.emplace_back(pair(1.0), 1, degree_in_steps(next));
-        return force_[refined].force_memory(zeta);
-    }
-    int refinements() const {
-        return in_steps() ? refinements_in_steps : (highest_degree - lowest_degree) / degree_step;
-    }
+    double force(double zeta, int refined) { return force_.force_memory(zeta, degree(refined)); }
 
-    ConvergedStressMemory stress(double zeta) const {
+    ConvergedStressMemory stress(double zeta) {
         Sequence collision, relaxation, cross;
-        for (int refined = 0; refined <= refinements(); ++refined) {
-            auto const memory = stress(zeta, refined);
+        for (int refined = 0; refined <= refinements; ++refined) {
+            auto const memory = stress_.stress_memory(zeta, degree(refined));
             collision.add(memory.collision);
             relaxation.add(memory.relaxation);
             cross.add(memory.cross);
-            if (refined > 0 &&
-                0.5 * gas_.n * relaxation.change() < gas_.wanted * gas_.stress_rate_at_once() &&
-                0.5 * square(gas_.n) * collision.change() < gas_.wanted * gas_.collision_viscosity_at_once())
+            double const rate = gas_.stress_rate_at_once() - 0.5 * gas_.n * relaxation.limit();
+            double const of_cross = 0.5 * square(gas_.n) * cross.steady_change() / rate;
+            // of the kinetic viscosity, n/rate, and of the other
+            if (0.5 * gas_.n * relaxation.steady_change() / rate + of_cross * rate / gas_.n < gas_.wanted &&
+                0.5 * square(gas_.n) * collision.steady_change() + of_cross <
+                    gas_.wanted * gas_.collision_viscosity_at_once())
                 break;
         }
-        auto const converged = [](Sequence const& s) { return Converged{s.limit(), s.change()}; };
+        auto const converged = [](Sequence const& s) { return Converged{s.limit(), s.steady_change()}; };
         return {converged(collision), converged(relaxation), converged(cross)};
     }
 
-private:
-    // Step by step from this flight on. Below it the first two moments of the drift cost at most 2 % of the
-    // memory, 0.5 % of a coefficient.
-    static constexpr double long_step = 0.06;
-    static constexpr int refinements_in_steps = 3;
-    static int degree_in_steps(int refined) { return 4 + 2 * refined; }
+    static constexpr int refinements = 9;
 
-    bool in_steps() const { return gas_.step >= long_step; }
-    Encounter pair(double zeta) const { return {gas_.d, gas_.thermostat, zeta, gas_.step}; }
-    StepEncounter::Stress stress(double zeta, int refined) const {
-        if (in_steps()) return StepEncounter(pair(zeta), 2, degree_in_steps(refined)).stress_memory(zeta);
-        auto const memory = stress_memory(pair(zeta), lowest_degree + refined * degree_step);
-        return {memory.collision.mean(), memory.relaxation.mean(), memory.cross.mean()};
-    }
+private:
+    static constexpr int of_force = 1, of_stress = 2;  ///< ranks
+    static int degree(int refined) { return 2 + 2 * refined; }
+    static Encounter pair(Reduced const& gas) { return {gas.d, gas.thermostat, 1.0, gas.step}; }
 
     Reduced gas_;
-    std::vector<StepEncounter> force_;  ///< made when asked for
+    FlyingPair force_, stress_;
 };
 
 /// Friction that a particle feels from partners, each of whom it meets as in an encounter. @eq{NG2007,17}
@@ -588,12 +574,12 @@ Converged self_consistent_friction(Reduced const& gas, Pairs& pairs, Waves const
     auto [zeta, slope] = zero_and_slope([&](double x) { return excess(x, 0); }, smallest * at_once, at_once);
     Sequence sequence;
     sequence.add(zeta);
-    for (int refined = 1; refined <= pairs.refinements(); ++refined) {
+    for (int refined = 1; refined <= Pairs::refinements; ++refined) {
         zeta -= excess(zeta, refined) / slope;
         sequence.add(zeta);
-        if (sequence.change() < gas.wanted * zeta) break;
+        if (sequence.steady_change() < gas.wanted * zeta) break;
     }
-    return {sequence.limit(), sequence.change()};
+    return {sequence.limit(), sequence.steady_change()};
 }
 // [self-consistency]
 

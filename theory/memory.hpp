@@ -45,10 +45,10 @@ struct TransportWithMemory {
     CoefficientWithMemory collision_viscosity;  ///< carried by the thermostat's impulses
 };
 
-/// The three coefficients at a step dt, or for dt = 0 in continuous time, numerically within about 1e-4, in
-/// thin media and at weak friction within about 1e-3 (see `error`). Units as in closed_forms.hpp. `box` as
-/// above. Refines until a refinement changes less than the share `wanted` of a coefficient; takes some
-/// seconds. With Scheme::linear throws std::domain_error for gamma dt/m > 1.
+/// The three coefficients at a step dt, or for dt = 0 in continuous time. Refines until a refinement changes
+/// less than the share `wanted` of a coefficient, as long as that takes a few seconds; `error` says how far
+/// it came, and theory/memory.md where that is not within 1e-4. Units as in closed_forms.hpp. `box` as above.
+/// With Scheme::linear throws std::domain_error for gamma dt/m > 1.
 TransportWithMemory transport_with_memory(Gas const& gas, Shardlow const& thermostat, double dt = 0.0,
                                           double box = std::numeric_limits<double>::infinity(),
                                           double wanted = 3e-5);
