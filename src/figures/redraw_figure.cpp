@@ -21,30 +21,32 @@ Point const* point_of(Figure const& definition, Comparison const& c) {
     return nullptr;
 }
 
-// One criterion at one point, of which `made` are the comparisons before.
+// One criterion at one point, of which `made` are the comparisons before. A closed form is evaluated anew.
 std::optional<Comparison> compare_again(Figure const& definition, std::vector<Comparison> const& made,
                                         Criterion const& criterion) {
-    for (auto again : made)
-        if (again.criterion.quantity == criterion.quantity && again.criterion.theory == criterion.theory) {
-            again.criterion = criterion;
-            if (criterion.theory == "value") again.theory = criterion.value;
-            return again;
-        }
-    if (criterion.theory == "previous" || criterion.quantity.starts_with(exponent_prefix)) return {};
-    auto const same_quantity = std::find_if(made.begin(), made.end(), [&](Comparison const& c) {
-        return c.criterion.quantity == criterion.quantity;
+    auto const of_quantity = [&](Comparison const& c) { return c.criterion.quantity == criterion.quantity; };
+    auto before = std::find_if(made.begin(), made.end(), [&](Comparison const& c) {
+        return of_quantity(c) && c.criterion.theory == criterion.theory;
     });
+    bool const is_new = before == made.end();
+    if (is_new && (criterion.theory == "previous" || criterion.quantity.starts_with(exponent_prefix)))
+        return {};
+    if (is_new) before = std::find_if(made.begin(), made.end(), of_quantity);
     Point const* const point = point_of(definition, made.front());
-    if (same_quantity == made.end() || point == nullptr || theory::find(criterion.theory) == nullptr)
+    bool const closed_form = point != nullptr && theory::find(criterion.theory) != nullptr;
+    if (before == made.end() || (is_new && !closed_form))
         throw InputError(fmt::format("figure {}, curve {}: {} against {} needs the runs: `dpdref figure {}`",
                                      definition.id, made.front().curve, criterion.quantity, criterion.theory,
                                      definition.id));
-    auto again = *same_quantity;
+    auto again = *before;
     again.criterion = criterion;
-    again.theory_error = 0.0;
-    auto const theory = theory_or_nothing(point->runs.front(), criterion.theory);
-    if (!theory) return {};
-    again.theory = *theory;
+    if (criterion.theory == "value") again.theory = criterion.value;
+    if (closed_form) {
+        auto const theory = theory_or_nothing(point->runs.front(), criterion.theory);
+        if (!theory) return {};
+        again.theory = *theory;
+        again.theory_error = 0.0;
+    }
     return again;
 }
 
