@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a rerun of the figures moved: values in figures/data now against those of an older commit, as a Markdown table.
 
-usage: moved.py COMMIT [--revision 2] [FIGURE...]
+usage: moved.py COMMIT [--revision 2] [FIGURE...]     all figures where none is named; `answers` is the reference answers
 
 A value has moved if it is off by more than three of the errors of both. Figures whose data are of another engine
 revision than --revision are named and left out, and so are rows that one of the two does not have. With no effect
@@ -14,12 +14,18 @@ import math
 import pathlib
 import subprocess
 
-DATA = pathlib.Path(__file__).resolve().parents[2] / "figures" / "data"
+FIGURES = pathlib.Path(__file__).resolve().parents[2] / "figures"
+DATA = FIGURES / "data"
+ANSWERS = FIGURES / "answers" / "answers.json"
 
 
 def values(text):
-    """Engine revision, and by curve, x and quantity: value, error"""
+    """Engine revision, and by curve, x and quantity: value, error; the state points of the answers are curves"""
     figure = json.loads(text)
+    if "states" in figure:
+        rows = {(state["id"], None, name): (found["value"], found["error"])
+                for state in figure["states"] for name, found in state["quantities"].items()}
+        return figure["engine_revision"], rows
     rows = {(row["curve"], row["x"], row["quantity"]): (row["value"], row["error"]) for row in figure["comparisons"]}
     return figure["engine_revision"], rows
 
@@ -35,7 +41,7 @@ def main():
     parser.add_argument("--revision", type=int, default=2)
     parser.add_argument("figures", nargs="*", metavar="FIGURE")
     arguments = parser.parse_args()
-    files = [DATA / f"{name}.json" for name in arguments.figures] or sorted(DATA.glob("*.json"))
+    files = [ANSWERS if name == "answers" else DATA / f"{name}.json" for name in arguments.figures] or sorted(DATA.glob("*.json"))
     compared, moved, others = 0, [], []
     for file in files:
         revision, now = values(file.read_text())
@@ -52,9 +58,9 @@ def main():
                 continue
             compared += 1
             if abs(value - was) > 3.0 * both:
-                moved.append(f"| {file.stem} | {curve} | {x:g} | {quantity} | {was:.5g} | {its_error:.2g} | {value:.5g} | {error:.2g} | "
+                moved.append(f"| {file.stem} | {curve} | {'' if x is None else f'{x:g}'} | {quantity} | {was:.5g} | {its_error:.2g} | {value:.5g} | {error:.2g} | "
                              f"{(value - was) / both:+.1f} |")
-    print(f"<!-- as printed by: python3 verification/tools/moved.py {arguments.commit} -->")
+    print(f"<!-- as printed by: python3 verification/tools/moved.py {' '.join([arguments.commit, *arguments.figures])} -->")
     print(f"{len(moved)} of {compared} values moved." + (f" Not run again yet: {', '.join(others)}." if others else "") + "\n")
     print("| figure | curve | x | quantity | was | error | is | error | z |\n|---|---|---|---|---|---|---|---|---|")
     print("\n".join(moved))
