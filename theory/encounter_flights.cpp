@@ -268,7 +268,7 @@ private:
         int const degree = static_cast<int>(first_.size()) - 1;
         auto const functions = of_degree(pair_.d, rank_, degree);
         auto const rows = static_cast<Eigen::Index>(functions.size());
-        auto const touched = std::ranges::count_if(functions, [](auto const& f) { return f.i > 0; });
+        auto const touched = std::count_if(functions.begin(), functions.end(), [](auto const& f) { return f.i > 0; });
         first_.push_back(first_.back() + touched * radial_functions);
         // what collisions take; not less than a little, so that nothing is divided by zero
         constexpr double least = 1e-12;
