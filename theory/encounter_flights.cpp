@@ -54,8 +54,8 @@ std::vector<Matrix> harmonics(int d, int rank, int degree) {
     Matrix laplacian = Matrix::Zero(size, size);
     auto const add = [&](double sign, std::vector<VelocityFunction> const& between) {
         auto const parts = [&](auto const& from, auto const& to, double Streamed::*part) {
-            Matrix result = Matrix::Zero(static_cast<Eigen::Index>(to.size()),
-                                         static_cast<Eigen::Index>(from.size()));
+            Matrix result =
+                Matrix::Zero(static_cast<Eigen::Index>(to.size()), static_cast<Eigen::Index>(from.size()));
             for (std::size_t column = 0; column < from.size(); ++column)
                 for (auto const& streamed : stream(d, rank, from[column]))
                     if (auto const found = std::ranges::find(to, streamed.to); found != to.end())
@@ -127,7 +127,8 @@ struct Flights {
         // a flight that turns the wave so little needs no sum
         constexpr double short_flight = 0.05;
         if (k * step > short_flight) {
-            for (int j = 1; add(j * step, step); ++j) {}
+            for (int j = 1; add(j * step, step); ++j) {
+            }
             return;
         }
         bool goes_on = true;
@@ -216,8 +217,7 @@ void for_each_wave_number(Action const& action) {
 /// Functions of r and of the velocity in the range, those that a collision takes something from, in waves.
 class FlyingPair::Waves {
 public:
-    Waves(Encounter const& pair, int rank)
-        : pair_(pair), rank_(rank), distances_(distances(pair.d)) {
+    Waves(Encounter const& pair, int rank) : pair_(pair), rank_(rank), distances_(distances(pair.d)) {
         check(pair, 2);
         for_each_wave_number([&](double k, double weight) {
             double const density = unit_sphere_surface(pair_.d) * std::pow(k, pair_.d - 1) /
@@ -234,13 +234,12 @@ public:
         medium_ = medium;
         while (highest() < degree) add_degree();
         factorize(degree);
-        // what collisions take of both is M x and M y; with S for what flights bring to collisions again it is
-        // x S y - x S/(M + S) S y = x M y - x M/(M + S) M y
+        // what collisions take of both is M x and M y; with S for what flights bring to collisions again it
+        // is x S y - x S/(M + S) S y = x M y - x M/(M + S) M y
         Matrix sources(size(degree), static_cast<Eigen::Index>(signals.size()));
         for (std::size_t s = 0; s < signals.size(); ++s)
             sources.col(static_cast<Eigen::Index>(s)) = projected(signals[s], degree);
-        auto const factor =
-            factor_.topLeftCorner(size(degree), size(degree)).triangularView<Eigen::Lower>();
+        auto const factor = factor_.topLeftCorner(size(degree), size(degree)).triangularView<Eigen::Lower>();
         Vector const sign = signs(degree);
         Matrix const first = factor.solve(sources), later = factor.solve(sign.asDiagonal() * sources);
         return sources.transpose() * in_functions(sources, degree) -
@@ -268,7 +267,8 @@ private:
         int const degree = static_cast<int>(first_.size()) - 1;
         auto const functions = of_degree(pair_.d, rank_, degree);
         auto const rows = static_cast<Eigen::Index>(functions.size());
-        auto const touched = std::count_if(functions.begin(), functions.end(), [](auto const& f) { return f.i > 0; });
+        auto const touched =
+            std::count_if(functions.begin(), functions.end(), [](auto const& f) { return f.i > 0; });
         first_.push_back(first_.back() + touched * radial_functions);
         // what collisions take; not less than a little, so that nothing is divided by zero
         constexpr double least = 1e-12;
@@ -349,8 +349,9 @@ private:
             for_each_function(to, to, [&](VelocityFunction const& f, Eigen::Index row) {
                 column.block<radial_functions, radial_functions>(row, row - before) += sign * mass(f);
             });
-            Matrix const left =
-                factor_.topLeftCorner(before, before).triangularView<Eigen::Lower>().solve(column.topRows(before));
+            Matrix const left = factor_.topLeftCorner(before, before)
+                                    .triangularView<Eigen::Lower>()
+                                    .solve(column.topRows(before));
             Matrix const signed_left = signs(to - 1).asDiagonal() * left;
             Eigen::LLT<Matrix> const cholesky(sign *
                                               (column.bottomRows(now) - left.transpose() * signed_left));

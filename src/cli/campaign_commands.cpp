@@ -57,8 +57,8 @@ struct CampaignChoice {
     }
 };
 
-// Prints the table of the figures, where they are, and which to look at first: one that disagrees, or else one
-// that is undecided. The table on disk is of all figures that are there. False if one of `ids` disagrees.
+// Prints the table of the figures, where they are, and which to look at first: one that disagrees, or else
+// one that is undecided. The table on disk is of all figures that are there. False if one of `ids` disagrees.
 bool report_of(std::vector<std::string> const& ids, std::filesystem::path const& output) {
     auto const all = load_comparisons(output);
     bool const agree = dpd::report(all, output, ids);

@@ -191,8 +191,7 @@ void apply(EulerImpulses const& stage, Simulation<d>& simulation, NoiseKey key) 
         with_value(stage.weight.kind, [&]<Weight::Kind w>() {
             // by the caller's w_R, since a branch for every pair would leave vectors unused
             auto const find_coefficients = [&](auto random_weight) {
-                wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff,
-                                         exponent = stage.weight.exponent,
+                wide_loop(block.size(), [=, per_cutoff = 1.0 / stage.cutoff, exponent = stage.weight.exponent,
                                          drag = drag.data()](std::size_t k) {
                     // [euler coefficients]
                     double const x = r[k] * per_cutoff;
@@ -204,7 +203,8 @@ void apply(EulerImpulses const& stage, Simulation<d>& simulation, NoiseKey key) 
                 });
             };
             if (stage.random_weight)
-                find_coefficients([own = *stage.random_weight](double x, double) { return weight_at(own, x); });
+                find_coefficients(
+                    [own = *stage.random_weight](double x, double) { return weight_at(own, x); });
             else
                 find_coefficients([](double, double w_d) { return std::sqrt(w_d); });
         });

@@ -211,8 +211,8 @@ BOOST_AUTO_TEST_CASE(short_steps_need_two_moments) {
     }
 }
 
-// Two ways to the same integrals: between their bounds, those of the finite elements. A slack for what neither
-// has in its bounds, functions of r and wave numbers.
+// Two ways to the same integrals: between their bounds, those of the finite elements. A slack for what
+// neither has in its bounds, functions of r and wave numbers.
 BOOST_AUTO_TEST_CASE(flights_agree_with_finite_elements) {
     constexpr double slack = 1e-4;
     for (int const d : {2, 3})
@@ -234,8 +234,8 @@ BOOST_AUTO_TEST_CASE(flights_agree_with_finite_elements) {
 // A pair that flies far is in range again with a probability of step^-d.
 BOOST_AUTO_TEST_CASE(long_steps_forget) {
     auto const memory = [](double step) {
-        return std::abs(
-            FlyingPair({3, Lowe{1.0 / step}, 1.0 / step, step}, 1).force_memory(1.0 / step, 4) * step);
+        return std::abs(FlyingPair({3, Lowe{1.0 / step}, 1.0 / step, step}, 1).force_memory(1.0 / step, 4) *
+                        step);
     };
     BOOST_TEST(memory(4.0) < 1e-4);
     BOOST_TEST(memory(8.0) < 0.3 * memory(4.0));
