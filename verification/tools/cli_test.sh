@@ -413,6 +413,19 @@ TOML
     redraw=(figure tiny --verification definitions --out tiny --redraw)
     expect 0 -- "${redraw[@]}"
     check "--redraw: other numbers" cmp first.dat tiny/data/tiny.dat
+    # a closed form is evaluated, not taken from what another program left
+    mkdir -p closed/tiny
+    : >closed/style.gp
+    sed 's/:value/:ng17/' definitions/tiny/plot.gp >closed/tiny/plot.gp
+    sed 's/^theory = "value"/theory = "ng17"\nrelation = "at_least"/; /^value = /d; /^tolerance = /d' definitions/tiny/figure.toml >closed/tiny/figure.toml
+    cp -r tiny closed/out
+    closed=(figure tiny --verification closed --out closed/out --redraw)
+    expect 0 -- "${closed[@]}"
+    cp closed/out/data/tiny.json closed/first.json
+    sed -i 's/"theory_value": [^,]*/"theory_value": 0.5/' closed/out/data/tiny.json
+    check "--redraw: no theory to change" [ "$(cmp -s closed/first.json closed/out/data/tiny.json; echo $?)" -eq 1 ]
+    expect 0 -- "${closed[@]}"
+    check "--redraw: kept the value of a closed form" cmp closed/first.json closed/out/data/tiny.json
     expect 2 "there is none" -- figure tiny --verification definitions --out nowhere --redraw
     for study in stability "work-precision integrators"; do
         name=${study% *}
