@@ -107,18 +107,14 @@ double heat_memory(Encounter const& pair, double decay, double excess, int degre
 
 /// The same integrals (in steps: sums) with the flights between two collisions exact: a pair that leaves the
 /// range flies through the medium, straight or diffusing, until it is in range again, and all of that is a
-/// Gaussian integral for each wave vector. Polynomials of the velocity are needed in the range only. Made once
-/// for a pair and asked for any medium; what is known of lower degrees is kept.
+/// Gaussian integral for each wave vector. Polynomials of the velocity are needed in the range only. Made
+/// once for a pair and asked for any medium; what is known of lower degrees is kept.
 class FlyingPair {
 public:
     /// `rank` is 1 for the force, 2 for the stresses. The pair's `medium` has no meaning here. Throws as
     /// force_memory.
     FlyingPair(Encounter const& pair, int rank);
     ~FlyingPair();
-    /// Takes another's matrices.
-    FlyingPair(FlyingPair&&) noexcept;
-    /// The same.
-    FlyingPair& operator=(FlyingPair&&) noexcept;
 
     /// As dpd::theory::force_memory, for a friction of the medium; polynomials up to `degree` >= 2.
     double force_memory(double medium, int degree);

@@ -417,8 +417,6 @@ private:
 
 FlyingPair::FlyingPair(Encounter const& pair, int rank) : waves_(std::make_unique<Waves>(pair, rank)) {}
 FlyingPair::~FlyingPair() = default;
-FlyingPair::FlyingPair(FlyingPair&&) noexcept = default;
-FlyingPair& FlyingPair::operator=(FlyingPair&&) noexcept = default;
 
 double FlyingPair::force_memory(double medium, int degree) {
     return waves_->memory(medium, degree, {{force_source}})(0, 0);
