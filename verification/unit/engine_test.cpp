@@ -577,6 +577,22 @@ BOOST_AUTO_TEST_CASE(divergence_is_reported_with_its_step) {
     BOOST_TEST(simulation.step < 999u);
 }
 
+// In free flight at a step of zero nothing moves: a limit just below the temperature ends the run, one just
+// above does not. In shear the flow is allowed for.
+BOOST_AUTO_TEST_CASE(divergence_is_seen_just_beyond_the_limit) {
+    for (double const rate : {0.0, 0.4}) {
+        auto simulation = gas<2>({20.0, 20.0}, 80, rate, 0.0);
+        simulation.stages = {Drift{}};
+        double const flow = std::pow(simulation.box.image_speed(), 2), kT = flow + 2.0;
+        auto& velocity = simulation.particles.velocity;
+        velocity *= std::sqrt(kT * double(velocity.size()) / velocity.square().sum());
+        simulation.hottest = kT * (1.0 + 1e-12) - flow;
+        simulation.advance();
+        simulation.hottest = kT * (1.0 - 1e-12) - flow;
+        BOOST_CHECK_THROW(simulation.advance(), Diverged);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_position_that_is_no_number_is_refused) {
     auto simulation = gas<2>({20.0, 20.0}, 80, 0.0, 0.1);
     simulation.particles.velocity(3, 1) = std::nan("");
