@@ -108,11 +108,13 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     auto const cell_at = [&](double x, int axis) {
         return std::min(static_cast<int>(x * cells_[axis] / box.length[axis]), cells_[axis] - 1);
     };
-    auto const take_place = [&](std::array<int, d> const& c) {
+    auto const count_in = [&](std::array<int, d> const& c) {
         auto const cell = static_cast<std::uint32_t>(row_begin(c[1], c[0]) + reach + c[contiguous]);
-        return Place{cell, static_cast<std::uint32_t>(cell_begin_[cell + 1]++)};
+        ++cell_begin_[cell + 1];
+        return cell;
     };
-    places_.resize(rows);
+    cell_of_.resize(rows);
+    row_of_id_.resize(rows);
     images_.clear();
     auto const image_x = [&, offset = box.offset(time)](std::size_t p) {
         double const x = particles.position(Eigen::Index(p), 0) + offset;
@@ -122,11 +124,12 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
         std::array<int, d> c;
         for (int axis = 0; axis < d; ++axis)
             c[axis] = cell_at(particles.position(Eigen::Index(p), axis), axis);
-        places_[p] = take_place(c);
+        cell_of_[p] = count_in(c);
+        row_of_id_[particles.id[Eigen::Index(p)]] = static_cast<std::uint32_t>(p);
         if (!box.sheared() || c[1] != 0) continue;
         c[0] = cell_at(image_x(p), 0);
         c[1] = cells_[1];
-        images_.push_back({static_cast<std::uint32_t>(p), take_place(c)});
+        images_.push_back({static_cast<std::uint32_t>(p), count_in(c)});
     }
     for_each_row_of_cells([count = cell_begin_.data() + 1](int first, int last) {
         std::copy_n(count + last - reach, reach, count + first - reach);
@@ -134,25 +137,19 @@ void PairSearch<d>::sort_into_cells(Particles<d> const& particles, Box<d> const&
     });
     std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
 
-    // Within a cell by ids: the order of a list is that of positions and ids, and knows nothing of
-    // velocities.
+    // Within a cell by ids, since they come in that order: the order of a list is that of positions and ids,
+    // and knows nothing of velocities.
     owner_.resize(static_cast<std::size_t>(cell_begin_.back()) + simd::widest);
     for (auto& component : sorted_) component.resize(owner_.size());
-    auto const put = [&](std::size_t p, Place place) {
-        owner_[static_cast<std::size_t>(cell_begin_[place.cell]) + place.rank] =
-            static_cast<std::uint32_t>(p);
+    next_ = cell_begin_;
+    auto const put = [&](std::uint32_t row, std::uint32_t cell) {
+        owner_[static_cast<std::size_t>(next_[cell]++)] = row;
     };
-    for (std::size_t p = 0; p < rows; ++p) put(p, places_[p]);
-    for (Image const& image : images_) put(image.row, image.place);
+    for (std::uint32_t const row : row_of_id_) put(row, cell_of_[row]);
+    std::sort(images_.begin(), images_.end(),
+              [id = particles.id.data()](Image const& a, Image const& b) { return id[a.row] < id[b.row]; });
+    for (Image const& image : images_) put(image.row, image.cell);
     for_each_row_of_cells([&](int first, int last) {
-        for (int cell = first; cell < last; ++cell) {
-            auto const begin = owner_.begin() + cell_begin_[std::size_t(cell)],
-                       stop = owner_.begin() + cell_begin_[std::size_t(cell) + 1];
-            if (stop - begin > 1)
-                std::sort(begin, stop, [id = particles.id.data()](std::uint32_t a, std::uint32_t b) {
-                    return id[a] < id[b];
-                });
-        }
         bool const image = first >= row_begin(cells_[1], 0);
         auto const stop = static_cast<std::size_t>(cell_begin_[std::size_t(last)]);
         for (auto slot = static_cast<std::size_t>(cell_begin_[std::size_t(first)]); slot < stop; ++slot) {
@@ -390,7 +387,8 @@ void PairSearch<d>::sort_particles(Particles<d>& particles, Box<d> const& box, d
 
 template <int d>
 std::size_t PairSearch<d>::bytes() const {
-    return cell_begin_.capacity() * sizeof(int) + places_.capacity() * sizeof(Place) +
+    return (cell_begin_.capacity() + next_.capacity()) * sizeof(int) +
+           (cell_of_.capacity() + row_of_id_.capacity()) * sizeof(std::uint32_t) +
            owner_.capacity() * (sizeof(std::uint32_t) + d * sizeof(float)) +
            candidates_.capacity() * sizeof(simd::Candidates) +
            (place_.capacity() + bucket_begin_.capacity() + scratch_rows_.capacity()) * sizeof(std::uint32_t) +

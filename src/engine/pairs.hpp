@@ -111,14 +111,11 @@ private:
     std::array<int, d> cells_{};
     int together_ = 1;  // cells of a row whose particles share their candidates
     std::vector<int> cell_begin_;
-    struct Place {
-        std::uint32_t cell, rank;
-    };
+    std::vector<int> next_;  // place in each cell
     struct Image {
-        std::uint32_t row;
-        Place place;
+        std::uint32_t row, cell;
     };
-    std::vector<Place> places_;                        // of each particle
+    std::vector<std::uint32_t> cell_of_, row_of_id_;   // of the particles
     std::vector<Image> images_;                        // of the lowest layer, in shear
     std::array<std::vector<float>, d> sorted_;         // positions of particles and images, by cell
     std::vector<std::uint32_t> owner_;                 // row of the particle behind each of them
