@@ -8,6 +8,7 @@
 
 #include "budget.hpp"
 #include "files.hpp"
+#include "run_figure.hpp"
 #include "theory/registry.hpp"
 #include "toml_reader.hpp"
 
@@ -67,9 +68,33 @@ void check_references(Figure const& figure, std::string const& file) {
     for (auto const& curve : figure.curves) {
         if (!curve.join.empty()) check(curve.name, "join", curve.join);
         for (auto const& other : curve.slope_between) check(curve.name, "slope_between", other);
+        if (!curve.common_noise.empty()) check(curve.name, "common_noise", curve.common_noise);
         for (auto const& criterion : curve.criteria)
             if (criterion.theory.starts_with("curve:"))
                 check(curve.name, "theory", criterion.theory.substr(6));
+    }
+}
+
+// Runs with common noise differ in the shear rate alone.
+void check_common_noise(Figure const& figure, std::string const& file) {
+    auto const at_rest = [&](Scene const& scene) {
+        return parse_scene(scene.text, file, {"box.shear_rate=0.0"}, scene.seed).key();
+    };
+    for (auto const& point : figure.points) {
+        auto const& curve = figure.curves[point.curve];
+        if (curve.common_noise.empty()) continue;
+        auto const still = points_of(curve.common_noise, figure.curves, figure.points, point.x);
+        bool same = still.size() == 1 && still.front()->runs.size() == point.runs.size();
+        for (std::size_t r = 0; same && r < point.runs.size(); ++r) {
+            Scene const &sheared = point.runs[r], &other = still.front()->runs[r];
+            same = !sheared.until && other.shear_rate == 0.0 && at_rest(sheared) == at_rest(other);
+        }
+        if (!same)
+            throw InputError(
+                fmt::format("{}: curve {}: common_noise: {} has not the same runs at {} = {}; allowed: a "
+                            "curve that differs "
+                            "in box.shear_rate, 0 there, alone, of fixed durations",
+                            file, curve.name, curve.common_noise, curve.parameter, point.x));
     }
 }
 
@@ -77,7 +102,7 @@ void check_references(Figure const& figure, std::string const& file) {
 struct Budget {
     std::string name;
     std::uint64_t seeds = 1;
-    double duration_scale = 1.0, equilibration_scale = 1.0;
+    double duration_scale = 1.0, equilibration_scale = 1.0, error_scale = 1.0;
     toml::table settings{};
 };
 
@@ -86,7 +111,8 @@ Budget read_figure_budget(TomlReader& root, std::string const& name) {
         Budget its{.name = {},
                    .seeds = table.integer("seeds", std::nullopt, positive_integer),
                    .duration_scale = table.number("duration_scale", 1.0, positive),
-                   .equilibration_scale = table.number("equilibration_scale", 1.0, positive)};
+                   .equilibration_scale = table.number("equilibration_scale", 1.0, positive),
+                   .error_scale = table.number("error_scale", 1.0, positive)};
         if (auto const settings = table.table("set")) its.settings = settings->raw();
         return its;
     });
@@ -98,7 +124,7 @@ Budget read_figure_budget(TomlReader& root, std::string const& name) {
 struct Variation {
     std::vector<double> values, paper_only;
     std::optional<std::uint64_t> paper_seeds{};  // in place of the budget's
-    toml::table settings{}, along{};  // the latter picks from lists by the point's place
+    toml::table settings{}, along{};             // the latter picks from lists by the point's place
 };
 
 // A table [[curve]].
@@ -112,6 +138,7 @@ std::pair<FigureCurve, Variation> read_curve(TomlReader& table) {
     curve.slope_between = table.texts("slope_between", std::vector<std::string>{});
     if (curve.slope_between.size() != 0 && curve.slope_between.size() != 2)
         table.fail("slope_between", "allowed: names of two curves, at a lower and at a higher density");
+    curve.common_noise = table.text("common_noise", "");
     bool const varies = curve.record.empty();
     curve.parameter = table.text("vary", varies ? std::nullopt : std::optional<std::string>(""));
     std::optional<std::vector<double>> const single = std::vector<double>{0.0};
@@ -174,6 +201,10 @@ std::string scene_text(toml::table scene, Budget const& budget, FigureCurve cons
     };
     rescale("time.duration", budget.duration_scale);
     if (budget.equilibration_scale != 1.0) rescale("time.equilibration", budget.equilibration_scale);
+    if (toml::table const* const until = scene.at_path("time.until").as_table();
+        until && budget.error_scale != 1.0)
+        for (auto const& [quantity, error] : toml::table(*until))
+            rescale(fmt::format("time.until.{}", quantity.str()), budget.error_scale);
     std::ostringstream text;
     text << scene;
     return text.str();
@@ -240,6 +271,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         figure.caption += fmt::format(" Changed: {}.", change.assignment);
     }
     check_references(figure, file);
+    check_common_noise(figure, file);
     return figure;
 }
 

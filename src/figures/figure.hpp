@@ -87,6 +87,7 @@ struct FigureCurve {
     std::vector<double> line;                ///< range of the theory line; empty: the points'
     std::string join;                        ///< name of a curve whose quantities are added at the same x
     std::vector<std::string> slope_between;  ///< names of the curves at a lower and at a higher density
+    std::string common_noise;                ///< name of the curve of the same runs without shear
     std::string record;                      ///< what is drawn is this measured curve, over its own x
     double from = 0.0;                       ///< first x of the measured curve that is shown
     double to = INFINITY;                    ///< last one

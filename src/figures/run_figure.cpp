@@ -57,6 +57,19 @@ std::vector<Point const*> points_of(std::string const& name, std::vector<FigureC
 
 namespace {
 
+// Takes the stress of the runs at rest, whose mean is zero, off that of the same runs in shear: where both
+// meet the same noise, what is left fluctuates less.
+void subtract_noise(std::vector<Record>& sheared, std::vector<Record> const& at_rest) {
+    for (std::size_t r = 0; r < sheared.size(); ++r)
+        for (char const* name :
+             {"kinetic_stress", "collision_stress", "friction_stress", "potential_stress"}) {
+            auto const found = sheared[r].series.find(name);
+            if (found == sheared[r].series.end()) continue;
+            auto const& noise = at_rest[r].series.at(name);
+            for (std::size_t k = 0; k < noise.size(); ++k) found->second[k] -= noise[k];
+        }
+}
+
 // Adds the quantities of the joined curve's point at the same x (or of its only one) that the point lacks.
 void join(std::string const& name, std::vector<FigureCurve> const& curves, std::vector<Point> const& points,
           Point& point) {
@@ -96,6 +109,7 @@ double seconds_of(Figure const& figure, std::size_t c, Results const& results, d
     auto const& curve = figure.curves[c];
     std::vector<std::string> joined = curve.slope_between;
     joined.push_back(curve.join);
+    joined.push_back(curve.common_noise);
     std::map<std::string, double> seconds;
     auto const count = [&](Point const& point) {
         for (auto const& scene : point.runs) {
@@ -122,15 +136,22 @@ Figure measured(Figure const& planned, Results const& results, double fraction) 
     Figure figure = planned;
     std::vector<Point> points;
     std::set<std::string> counted;
-    for (auto& point : figure.points) {
+    auto const records_of = [&](Point const& of, Point& point) {
         std::vector<Record> records;
-        for (auto const& scene : point.runs) {
+        for (auto const& scene : of.runs) {
             auto const& result = *results.at(scene.key());
             double const seconds = seconds_until(scene, result, fraction);
             records.push_back(first_part(result.record, fraction));
             point.seconds += seconds;
             if (counted.insert(scene.key()).second) figure.seconds += seconds;
         }
+        return records;
+    };
+    for (auto& point : figure.points) {
+        std::vector<Record> records = records_of(point, point);
+        for (Point const* const still :
+             points_of(figure.curves[point.curve].common_noise, planned.curves, planned.points, point.x))
+            subtract_noise(records, records_of(*still, point));
         point.quantities = analyze(point.runs.front(), records);
         point.configuration = records.front().configuration;
         auto const& curve = figure.curves[point.curve];

@@ -64,8 +64,12 @@ std::string legend(FigureCurve const& curve, Convergence const& c) {
         boost::replace_first(quantity, plain, name);
     std::string text = fmt::format("{}: {} against {}", curve.name, quantity,
                                    boost::replace_all_copy(reference_text(c.criterion), "_", " "));
-    if (c.floor_resolved)
-        text += fmt::format(", floor {:.3g} ± {:.2g} %", 100.0 * c.floor, 100.0 * c.floor_error);
+    if (c.floor_resolved) {
+        // two digits of the error
+        double const floor = 100.0 * c.floor, error = 100.0 * c.floor_error;
+        int const digits = error > 0.0 ? std::max(0, 1 - int(std::floor(std::log10(error)))) : 2;
+        text += fmt::format(", floor {:.{}f} ± {:.{}f} %", floor, digits, error, digits);
+    }
     return text;
 }
 

@@ -322,6 +322,24 @@ BOOST_AUTO_TEST_CASE(a_budget_scales_the_equilibration) {
     BOOST_TEST(none.points[0].runs[0].key() == load(join(good)).points[0].runs[0].key());
 }
 
+BOOST_AUTO_TEST_CASE(a_budget_scales_the_errors_wanted) {
+    auto lines = good;
+    lines[11] = "time.duration = 4.0\ntime.until = { kinetic_temperature = 0.01 }";
+    lines[21] = "values = [1.0, 4.0]\nset = {'time.until.pressure' = 0.02}";
+    lines[15] = "duration_scale = 0.5\nerror_scale = 3.0";
+    Figure const quick = load(join(lines)), paper = load(join(lines), "paper");
+    using Errors = std::map<std::string, double>;
+    BOOST_TEST(
+        (paper.points[0].runs[0].until->errors == Errors{{"kinetic_temperature", 0.01}, {"pressure", 0.02}}));
+    BOOST_TEST(quick.points[0].runs[0].until->errors.at("kinetic_temperature") == 0.03, tolerance(1e-14));
+    BOOST_TEST(quick.points[0].runs[0].until->errors.at("pressure") == 0.06, tolerance(1e-14));
+    BOOST_TEST(quick.points[2].runs[0].until->errors.size() == 1u);
+    // without errors there is nothing to scale
+    lines[11] = good[11];
+    lines[21] = good[21];
+    BOOST_TEST(!load(join(lines)).points[0].runs[0].until);
+}
+
 BOOST_AUTO_TEST_CASE(every_theory_is_known) {
     for (char const* theory : {"ng17", "previous", "curve:gas", "quantity:x", "value"})
         BOOST_TEST(complaint(with(25, fmt::format("theory = '{}'", theory))) == "");
@@ -695,6 +713,59 @@ BOOST_AUTO_TEST_CASE(points_share_runs_and_join_curves) {
     BOOST_TEST(count() == 2 * 5);
     BOOST_TEST(value(again[0].points[0], "viscosity") == value(first, "viscosity"));
     BOOST_TEST(again[0].points[0].seconds + rest[0].seconds == first.seconds, tolerance(1e-12));
+}
+
+BOOST_AUTO_TEST_CASE(common_noise_is_subtracted) {
+    auto const curve = [](std::string const& name, double rate, std::string const& more) {
+        return fmt::format(
+            "[[curve]]\nname = '{}'\n{}vary = 'shardlow.friction'\nvalues = [1, 5]\n[curve.set]\n"
+            "'stages' = ['shardlow', 'sample', 'drift', 'scatter']\n'box.length' = [3.0, 200.0]\n"
+            "'time.duration' = 51.2\n'time.equilibration' = 10.0\n'sample.observables' = "
+            "['kinetic_temperature', 'friction_stress']\n"
+            "'box.shear_rate' = {}\n",
+            name, more, rate);
+    };
+    std::string const quiet = "common_noise = 'still'\n";
+    std::string const still = curve("still", 0.0, "");
+    std::vector<Figure> figures{
+        load(with_curves(curve("plain", 0.5, "") + curve("quiet", 0.5, quiet) + still))};
+    run_points(figures, {.cache = directory / "cache", .output = directory});
+    auto const& points = figures[0].points;
+    for (std::size_t p : {0u, 1u}) {
+        auto const& [plain, less, rest] = std::tie(points[p], points[p + 2], points[p + 4]);
+        double mean = 0.0;
+        std::size_t count = 0;
+        for (std::size_t r = 0; r < plain.runs.size(); ++r) {
+            auto const sheared = run(plain.runs[r]).record.series, noise = run(rest.runs[r]).record.series;
+            for (std::size_t k = 0; k < sheared.at("kinetic_stress").size(); ++k, ++count)
+                mean += (sheared.at("kinetic_stress")[k] - noise.at("kinetic_stress")[k]) / 0.5;
+        }
+        BOOST_TEST(count == 2u * 256u);
+        BOOST_TEST(estimate_of(less.quantities, "kinetic_viscosity").value == mean / double(count),
+                   tolerance(1e-12));
+        for (char const* name : {"kinetic_viscosity", "collision_viscosity"}) {
+            Estimate const with = estimate_of(plain.quantities, name),
+                           without = estimate_of(less.quantities, name);
+            BOOST_TEST(without.error < 0.5 * with.error);
+            BOOST_TEST(std::abs(without.value - with.value) < 5.0 * with.error);
+        }
+        BOOST_TEST(less.seconds == plain.seconds + rest.seconds, tolerance(1e-12));
+        BOOST_TEST(estimate_of(less.quantities, "kinetic_temperature").value ==
+                   estimate_of(plain.quantities, "kinetic_temperature").value);
+    }
+    // the same runs but for the rate, or it is no noise in common
+    for (std::string const& other :
+         {curve("still", 0.1, ""), curve("still", 0.0, "") + "'time.step' = 0.05\n",
+          curve("still", 0.0, "") + "'seed' = 2\n"})
+        BOOST_TEST(
+            complaint(with_curves(curve("quiet", 0.5, quiet) + other)).find("common_noise: still has not") !=
+            std::string::npos);
+    BOOST_TEST(complaint(with_curves(curve("quiet", 0.5, quiet))) ==
+               file + ": curve quiet: common_noise: there is no curve still");
+    std::string const until = "'time.until.viscosity' = 0.1\n";
+    BOOST_TEST(
+        complaint(with_curves(curve("quiet", 0.5, quiet) + until + still + until)).find("fixed durations") !=
+        std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(points_take_slopes_from_two_densities_and_keep_configurations) {
