@@ -4,7 +4,7 @@
 usage: calibrate.py PROGRAM [--first SEED] [--seeds N] [--jobs N]      PROGRAM is dpdref; writes
 figures/calibration/{stated_errors.md,stated_errors.dat,calibration.svg}, or with --first stated_errors-SEED.{md,dat} without a picture
 
-Each scene of this folder is run with N seeds (100), four minutes of one core in all. For each quantity that states an error: the standard
+Each scene of this folder is run with N seeds (100), five minutes of one core in all. For each quantity that states an error: the standard
 deviation of its values over the root mean square of the errors that the runs state. It is 1 where errors are right, and is itself known
 within a few per cent. A row beyond two standard errors is looked at with new seeds (--first 101): if it is beyond two there too, on the
 same side, the error is wrong, else it was chance. Python's standard library and gnuplot.
@@ -21,7 +21,7 @@ import subprocess
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 FIGURES = ROOT / "figures" / "calibration"
-SCENES = ("gas", "gas-shear", "soft", "soft-shear", "opposed")
+SCENES = ("gas", "gas-shear", "soft", "soft-shear", "opposed", "rescaled")
 # What the mean has to be, where that is exact: S1 keeps kT and the uniform density at any step, there is no stress at rest, and
 # Lees-Edwards boundaries look the same at every height.
 EXACT = {("gas", "kinetic_temperature"): 1.0, ("gas", "pair_density"): 1.0, ("gas", "kinetic_stress"): 0.0, ("gas", "collision_stress"): 0.0,

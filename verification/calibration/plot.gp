@@ -9,7 +9,7 @@ set ytics nomirror
 set key at screen 0.66, 0.985 center top horizontal maxrows 2
 unset mytics
 set arrow 1 from 1, graph 0 to 1, graph 1 nohead lw 2 lc rgb grey back
-scenes = "gas gas-shear soft soft-shear opposed"
-array colour[5] = [blue, sky, red, yellow, green]
-plot for [n=1:5] "figures/calibration/stated_errors.dat" index word(scenes, n) \
+scenes = "gas gas-shear soft soft-shear opposed rescaled"
+array colour[6] = [blue, sky, red, yellow, green, purple]
+plot for [n=1:6] "figures/calibration/stated_errors.dat" index word(scenes, n) \
      using 2:1:3:ytic(4) with xerrorbars pt 7 ps 0.8 lw 1.5 lc rgb colour[n] title word(scenes, n)
