@@ -2,7 +2,7 @@
 # one update of a pair per step.
 kin = ":kinetic_viscosity:ng8-lowe"; col = ":collision_viscosity:ng12-lowe"
 kin_memory = ":kinetic_viscosity:memory-kinetic-lowe"; col_memory = ":collision_viscosity:memory-collision-lowe"
-one = "dt=0.1"; rare = "dt=0.1, rare"; two = "dt=1"; flat = "2D, dt=0.1"
+one = "dt=0.1"; rare = "dt=0.1, rare"; two = "dt=1"
 
 @upper
 set logscale xy
@@ -23,7 +23,9 @@ plot lines index rare.kin using 1:2 with lines lw 2 lc rgb blue notitle, \
      data index rare.kin using 1:2:3 with yerrorbars pt 7 lw 1.5 lc rgb blue notitle, \
      data index rare.col using 1:2:3 with yerrorbars pt 5 lw 1.5 lc rgb red notitle, \
      data index one." chaos".kin using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb blue notitle, \
+     data index one." chaos, frequent".kin using 1:2:3 with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb blue notitle, \
      data index one." chaos".col using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb red notitle, \
+     data index one." chaos, frequent".col using 1:2:3 with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb red notitle, \
      NaN with points pt 6 ps 1.4 lc rgb black title "positions redrawn", \
      NaN with lines lw 1.5 dt 2 lc rgb black title "with memory"
 @lower
@@ -38,9 +40,11 @@ plot 0 with lines lw 2 lc rgb grey notitle, \
      data index one.col using 1:(100*$5):(100*$6) with yerrorbars pt 5 lw 1.5 lc rgb red notitle, \
      data index two.col using 1:(100*$5):(100*$6) with yerrorbars pt 13 lw 1.5 lc rgb yellow notitle, \
      data index one." chaos".kin using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb blue notitle, \
+     data index one." chaos, frequent".kin using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb blue notitle, \
      data index one." chaos".col using 1:(100*$5):(100*$6) with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb red notitle, \
+     data index one." chaos, frequent".col using 1:(100*$5):(100*$6) with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb red notitle, \
      data index two." chaos".kin using 1:(100*$5):(100*$6) with yerrorbars pt 8 ps 1.4 lw 1.5 lc rgb sky notitle, \
      data index two." chaos".col using 1:(100*$5):(100*$6) with yerrorbars pt 12 ps 1.4 lw 1.5 lc rgb yellow notitle, \
-     data index flat." chaos".kin using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb green title "2D, redrawn, kinetic", \
-     data index flat." chaos".col using 1:(100*$5):(100*$6) with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb purple title "2D, redrawn, collision"
+     data index "2D chaos".kin using 1:(100*$5):(100*$6) with yerrorbars pt 6 ps 1.4 lw 1.5 lc rgb green title "2D, redrawn, kinetic", \
+     data index "2D chaos".col using 1:(100*$5):(100*$6) with yerrorbars pt 4 ps 1.4 lw 1.5 lc rgb purple title "2D, redrawn, collision"
 @finish
