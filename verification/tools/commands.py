@@ -35,7 +35,7 @@ CLONE = (".gitignore", "CMakeLists.txt", "CMakePresets.json", "CITATION.cff", "L
          "docs", "figures", "src", "theory", "verification")
 BUILT = ("dpdref", "libdpdref_engine.a", "libdpdref_theory.a")
 BEGINS = re.compile(r"(dpdref|ctest|cmake)\s|(python3|sh) verification/")
-CPU_LIMIT = 60  # seconds per process; no command that runs as it stands needs half of it, with both cores busy either
+CPU_LIMIT = 60  # seconds per process; no command that runs as it stands needs more than about half of it, with both cores busy
 WALL_LIMIT = 4 * 3600  # seconds: ends what sleeps for ever, and nothing that waits for a busy machine
 
 # (pattern of a whole command, what runs in its place, why). The first that matches counts; \1 is the pattern's group.
