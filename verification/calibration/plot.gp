@@ -1,5 +1,5 @@
 # Scatter over stated error, by scene. Run from the repository's root; calibrate.py does.
-set terminal svg size 800,900 font "Helvetica,13" background rgb "white"
+set terminal svg size 800,1080 font "Helvetica,13" background rgb "white"
 set output "figures/calibration/calibration.svg"
 load "verification/style.gp"
 set lmargin at screen 0.36; set rmargin at screen 0.97; set tmargin at screen 0.93; set bmargin at screen 0.08
