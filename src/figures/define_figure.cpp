@@ -8,7 +8,6 @@
 
 #include "budget.hpp"
 #include "files.hpp"
-#include "run_figure.hpp"
 #include "theory/registry.hpp"
 #include "toml_reader.hpp"
 
@@ -68,33 +67,9 @@ void check_references(Figure const& figure, std::string const& file) {
     for (auto const& curve : figure.curves) {
         if (!curve.join.empty()) check(curve.name, "join", curve.join);
         for (auto const& other : curve.slope_between) check(curve.name, "slope_between", other);
-        if (!curve.common_noise.empty()) check(curve.name, "common_noise", curve.common_noise);
         for (auto const& criterion : curve.criteria)
             if (criterion.theory.starts_with("curve:"))
                 check(curve.name, "theory", criterion.theory.substr(6));
-    }
-}
-
-// Runs with common noise differ in the shear rate alone.
-void check_common_noise(Figure const& figure, std::string const& file) {
-    auto const at_rest = [&](Scene const& scene) {
-        return parse_scene(scene.text, file, {"box.shear_rate=0.0"}, scene.seed).key();
-    };
-    for (auto const& point : figure.points) {
-        auto const& curve = figure.curves[point.curve];
-        if (curve.common_noise.empty()) continue;
-        auto const still = points_of(curve.common_noise, figure.curves, figure.points, point.x);
-        bool same = still.size() == 1 && still.front()->runs.size() == point.runs.size();
-        for (std::size_t r = 0; same && r < point.runs.size(); ++r) {
-            Scene const &sheared = point.runs[r], &other = still.front()->runs[r];
-            same = !sheared.until && other.shear_rate == 0.0 && at_rest(sheared) == at_rest(other);
-        }
-        if (!same)
-            throw InputError(
-                fmt::format("{}: curve {}: common_noise: {} has not the same runs at {} = {}; allowed: a "
-                            "curve that differs "
-                            "in box.shear_rate, 0 there, alone, of fixed durations",
-                            file, curve.name, curve.common_noise, curve.parameter, point.x));
     }
 }
 
@@ -125,6 +100,7 @@ struct Variation {
     std::vector<double> values, paper_only;
     std::optional<std::uint64_t> paper_seeds{};  // in place of the budget's
     toml::table settings{}, along{};             // the latter picks from lists by the point's place
+    bool common_noise = false;
 };
 
 // A table [[curve]].
@@ -138,7 +114,7 @@ std::pair<FigureCurve, Variation> read_curve(TomlReader& table) {
     curve.slope_between = table.texts("slope_between", std::vector<std::string>{});
     if (curve.slope_between.size() != 0 && curve.slope_between.size() != 2)
         table.fail("slope_between", "allowed: names of two curves, at a lower and at a higher density");
-    curve.common_noise = table.text("common_noise", "");
+    variation.common_noise = table.boolean("common_noise", false);
     bool const varies = curve.record.empty();
     curve.parameter = table.text("vary", varies ? std::nullopt : std::optional<std::string>(""));
     std::optional<std::vector<double>> const single = std::vector<double>{0.0};
@@ -210,6 +186,19 @@ std::string scene_text(toml::table scene, Budget const& budget, FigureCurve cons
     return text.str();
 }
 
+// The same runs at rest, which draw the same random numbers.
+std::vector<Scene> without_shear(std::vector<Scene> const& runs, std::string const& file,
+                                 std::string const& curve) {
+    if (runs.front().shear_rate == 0.0 || runs.front().until)
+        throw InputError(fmt::format(
+            "{}: curve {}: common_noise is of runs in shear; allowed: a box.shear_rate, and no time.until",
+            file, curve));
+    std::vector<Scene> at_rest;
+    for (Scene const& scene : runs)
+        at_rest.push_back(parse_scene(scene.text, file, {"box.shear_rate=0.0"}, scene.seed));
+    return at_rest;
+}
+
 }  // namespace
 
 std::vector<std::string> figure_ids(std::filesystem::path const& verification) {
@@ -258,6 +247,7 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
                 budget.name == "paper" ? variation.paper_seeds.value_or(budget.seeds) : budget.seeds;
             point.runs.assign(seeds, scene);
             for (std::uint64_t run = 1; run < seeds; ++run) point.runs[run].seed += run;
+            if (variation.common_noise) point.at_rest = without_shear(point.runs, file, curve.name);
             figure.points.push_back(std::move(point));
         }
         figure.curves.push_back(std::move(curve));
@@ -271,7 +261,6 @@ Figure load_figure(std::filesystem::path const& verification, std::string const&
         figure.caption += fmt::format(" Changed: {}.", change.assignment);
     }
     check_references(figure, file);
-    check_common_noise(figure, file);
     return figure;
 }
 

@@ -73,6 +73,7 @@ struct Point {
     std::size_t curve = 0;             ///< index among the figure's curves
     double x = 0.0;                    ///< of the varied parameter, or of the record
     std::vector<Scene> runs;           ///< one per seed
+    std::vector<Scene> at_rest{};      ///< the same without shear, whose stress is noise; empty: left in
     std::vector<Quantity> quantities;  ///< all that was measured or derived
     Eigen::ArrayXXd configuration;     ///< positions of the first run, where the scene keeps them
     double seconds = 0.0;              ///< run time of its runs
@@ -87,7 +88,6 @@ struct FigureCurve {
     std::vector<double> line;                ///< range of the theory line; empty: the points'
     std::string join;                        ///< name of a curve whose quantities are added at the same x
     std::vector<std::string> slope_between;  ///< names of the curves at a lower and at a higher density
-    std::string common_noise;                ///< name of the curve of the same runs without shear
     std::string record;                      ///< what is drawn is this measured curve, over its own x
     double from = 0.0;                       ///< first x of the measured curve that is shown
     double to = INFINITY;                    ///< last one

@@ -15,6 +15,12 @@
 namespace dpd {
 namespace {
 
+template <class Visit>
+void for_each_run(Point const& point, Visit&& visit) {
+    for (auto const* const runs : {&point.runs, &point.at_rest})
+        for (Scene const& scene : *runs) visit(scene);
+}
+
 // Rough cost of a run, in pair and particle visits: good enough to start the longest first and to tell the
 // time that is left. With `until` the greatest that it can be.
 double cost_of(Scene const& scene) {
@@ -60,13 +66,11 @@ namespace {
 // Takes the stress of the runs at rest, whose mean is zero, off that of the same runs in shear: where both
 // meet the same noise, what is left fluctuates less.
 void subtract_noise(std::vector<Record>& sheared, std::vector<Record> const& at_rest) {
-    for (std::size_t r = 0; r < sheared.size(); ++r)
-        for (char const* name :
-             {"kinetic_stress", "collision_stress", "friction_stress", "potential_stress"}) {
-            auto const found = sheared[r].series.find(name);
-            if (found == sheared[r].series.end()) continue;
+    for (std::size_t r = 0; r < at_rest.size(); ++r)
+        for (auto& [name, values] : sheared[r].series) {
+            if (!name.ends_with("_stress")) continue;
             auto const& noise = at_rest[r].series.at(name);
-            for (std::size_t k = 0; k < noise.size(); ++k) found->second[k] -= noise[k];
+            for (std::size_t k = 0; k < noise.size(); ++k) values[k] -= noise[k];
         }
 }
 
@@ -109,13 +113,12 @@ double seconds_of(Figure const& figure, std::size_t c, Results const& results, d
     auto const& curve = figure.curves[c];
     std::vector<std::string> joined = curve.slope_between;
     joined.push_back(curve.join);
-    joined.push_back(curve.common_noise);
     std::map<std::string, double> seconds;
     auto const count = [&](Point const& point) {
-        for (auto const& scene : point.runs) {
+        for_each_run(point, [&](Scene const& scene) {
             std::string const key = scene.key();
             seconds[key] = seconds_until(scene, *results.at(key), fraction);
-        }
+        });
     };
     for (auto const& point : figure.points) {
         if (point.curve != c) continue;
@@ -136,9 +139,9 @@ Figure measured(Figure const& planned, Results const& results, double fraction) 
     Figure figure = planned;
     std::vector<Point> points;
     std::set<std::string> counted;
-    auto const records_of = [&](Point const& of, Point& point) {
+    auto const records_of = [&](std::vector<Scene> const& runs, Point& point) {
         std::vector<Record> records;
-        for (auto const& scene : of.runs) {
+        for (auto const& scene : runs) {
             auto const& result = *results.at(scene.key());
             double const seconds = seconds_until(scene, result, fraction);
             records.push_back(first_part(result.record, fraction));
@@ -148,10 +151,8 @@ Figure measured(Figure const& planned, Results const& results, double fraction) 
         return records;
     };
     for (auto& point : figure.points) {
-        std::vector<Record> records = records_of(point, point);
-        for (Point const* const still :
-             points_of(figure.curves[point.curve].common_noise, planned.curves, planned.points, point.x))
-            subtract_noise(records, records_of(*still, point));
+        std::vector<Record> records = records_of(point.runs, point);
+        subtract_noise(records, records_of(point.at_rest, point));
         point.quantities = analyze(point.runs.front(), records);
         point.configuration = records.front().configuration;
         auto const& curve = figure.curves[point.curve];
@@ -184,7 +185,7 @@ public:
         : figures_(figures), finished_(finished), missing_(figures.size()) {
         for (std::size_t f = 0; f < figures.size(); ++f)
             for (auto const& point : figures[f].points)
-                for (auto const& scene : point.runs) missing_[f].insert(scene.key());
+                for_each_run(point, [&](Scene const& scene) { missing_[f].insert(scene.key()); });
     }
 
     // Takes a result; measures the figures that lacked it alone.
@@ -217,7 +218,7 @@ std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions 
     std::vector<Task<RunResult>> tasks;
     for (auto const& figure : figures)
         for (auto const& point : figure.points)
-            for (auto const& scene : point.runs) {
+            for_each_run(point, [&](Scene const& scene) {
                 std::string const key = scene.key();
                 tasks.push_back(
                     {key, cost_of(scene),
@@ -229,7 +230,7 @@ std::optional<RunTime> run_points(std::vector<Figure>& figures, CampaignOptions 
                          if (!options.shard) progressing.take(key, result);
                          return result.from_cache;
                      }});
-            }
+            });
     auto const results = do_once(figures.size() == 1 ? figures.front().id : "figures", tasks, options);
     if (!results) return {};
     RunTime run_time;
