@@ -18,49 +18,6 @@ namespace {
 using namespace encounter;
 
 // -----------------------------------------------------------------------------------------------------------
-// Velocities
-
-/// Share of an even function in what streaming makes of it in an odd one, as in Streamed.
-struct Coupling {
-    int from;
-    double slope, rotation, pushed;
-};
-
-/// Functions of the velocity that turn with r^ like a tensor of rank `rank` (1 or 2), up to a degree: the
-/// even ones up to `degree`, the odd ones up to degree + 1, which are all that streaming makes of the even.
-class VelocityBasis {
-public:
-    VelocityBasis(int d, int rank, int degree) {
-        for (int m = 0; m <= highest_m(d, rank); ++m)
-            for (int p = 0; 2 * p + m <= degree + 1; ++p)
-                for (int i = 0; i + 2 * p + m <= degree + 1; ++i) {
-                    VelocityFunction const f{m, i, p};
-                    if (f.degree() % 2 == 1)
-                        odd.push_back(f);
-                    else if (f.degree() <= degree)
-                        even.push_back(f);
-                }
-        streaming.resize(odd.size());
-        for (int k = 0; k < static_cast<int>(even.size()); ++k)
-            for (auto const& [to, slope, rotation, pushed] : stream(d, rank, even[k]))
-                if (int const row = odd_index(to); row >= 0)
-                    streaming[row].push_back({k, slope, rotation, pushed});
-    }
-
-    int even_index(VelocityFunction const& f) const { return index_in(even, f); }
-    int odd_index(VelocityFunction const& f) const { return index_in(odd, f); }
-
-    std::vector<VelocityFunction> even, odd;
-    std::vector<std::vector<Coupling>> streaming;  ///< of each odd function
-
-private:
-    static int index_in(std::vector<VelocityFunction> const& list, VelocityFunction const& f) {
-        auto const found = std::ranges::find(list, f);
-        return found == list.end() ? -1 : static_cast<int>(found - list.begin());
-    }
-};
-
-// -----------------------------------------------------------------------------------------------------------
 // The equation -L h = S of theory/memory.md, odd functions eliminated
 
 /// Even functions of the velocity that are coupled by streaming to an odd one and back, with their matrix on
@@ -141,12 +98,11 @@ public:
     /// Of a step the solution needs a source times 2/(1 + c), and what the equal factors at the same step
     /// would add is taken away (2).
     // [source]
-    double at_same_step(Source const& source) const { return at_same_step(source, source); }
-    double at_same_step(Source const& source, Source const& other) const {
+    double at_same_step(Source const& source) const {
         double sum = 0.0;
         for_each_point_in_range([&](int, Point const& point) {
-            sum += point.volume * pair_.step * source.amplitude(pair_, point.r) *
-                   other.amplitude(pair_, point.r) / (1.0 + kept(source.function, point.r));
+            sum += point.volume * pair_.step * square(source.amplitude(pair_, point.r)) /
+                   (1.0 + kept(source.function, point.r));
         });
         return sum;
     }
@@ -411,39 +367,5 @@ SoftStressMemory soft_stress_memory(Encounter const& pair, int degree) {
     return memory;
 }
 // [soft stress memory]
-
-// [heat memory]
-double heat_memory(Encounter const& pair, double decay, double excess, int degree) {
-    // of u_r an explicit step keeps 1 - kappa - 2a, of u_t 1 - kappa: as if the medium kept 1 - kappa, and
-    // the pair then 1 - 2a/(1 - kappa)
-    auto thermostat = std::get<Shardlow>(pair.thermostat);
-    auto const a = [=, step = pair.step](double r) {
-        return thermostat.gamma * weight_at(thermostat.weight, r) * step;
-    };
-    Encounter kept = pair;
-    kept.medium = -std::log1p(-decay) / pair.step;
-    kept.thermostat = Shardlow{thermostat.gamma / (1.0 - decay), thermostat.weight, Scheme::linear};
-    check(kept, degree);
-    auto const per_time = [&](auto const& amplitude) {
-        return [=, step = pair.step](Encounter const&, double r) { return amplitude(a(r)) / step; };
-    };
-    Source const heated{u_r_u_r,
-                        per_time([=](double x) { return 2.0 * std::numbers::sqrt2 * x * (excess + x); })};
-    Source const gained{u_r_u_r,
-                        per_time([=](double x) { return std::numbers::sqrt2 * x * (x - 1.0 + decay); })};
-    Source const gained_by_density{one, per_time([=](double x) { return x * (excess + x); })};
-    EncounterSolver solver(kept, 0, degree);
-    Eigen::VectorXd from = Eigen::VectorXd::Zero(solver.unknowns()), to = from;
-    solver.add_even_source(from, heated);
-    solver.add_even_source(to, gained);
-    solver.add_even_source(to, gained_by_density);
-    double memory = 0.0;
-    for (bool const with_highest : {false, true}) {
-        solver.factorize(with_highest);
-        memory += 0.5 * to.dot(solver.solve(from));
-    }
-    return pair.step * (memory - solver.at_same_step(heated, gained));
-}
-// [heat memory]
 
 }  // namespace dpd::theory

@@ -97,12 +97,13 @@ struct SoftStressMemory {
 };
 SoftStressMemory soft_stress_memory(Encounter const& pair, int degree);
 
-/// What a pair remembers of the heat that an explicit step leaves in it: \f$\sum_{j\ge1}\int d\mathbf
-/// r\langle X_0b_j\rangle\f$ with \f$b=2^{3/2}a\,(e+a)\,H_2\f$, what a step adds to the distribution, and
-/// \f$X=a\,(e+a)+2^{1/2}a\,(a-1+\kappa)H_2\f$, the energy over 2kT that the pair then gains in a step;
+/// What a pair remembers of the heat that explicit steps leave in it: \f$\int d\mathbf r\,\langle X\rangle\f$
+/// just before a step, less what it would be in Maxwell's distribution at every distance.
+/// \f$X=a\,(e+a)+2^{1/2}a\,(a-1+\kappa)H_2\f$ is the energy over 2kT that the pair gains in a step,
 /// \f$H_2=(u_r^2-1)/2^{1/2}\f$, e = `excess`, kappa = `decay` what the medium takes of a velocity in a step,
-/// and a = w step. `pair` has the thermostat as it is; its medium has no meaning here. Throws as
-/// force_memory.
+/// and a = w step, so that a step adds 4 a (e + a) to the variance of \f$u_r\f$. The heat of all earlier
+/// steps counts, and that a heated pair parts sooner. `pair` has the thermostat as it is; its medium has no
+/// meaning here. Flights as in force_memory, which it throws as.
 double heat_memory(Encounter const& pair, double decay, double excess, int degree);
 
 /// The same integrals (in steps: sums) with the flights between two collisions exact: a pair that leaves the

@@ -95,6 +95,28 @@ std::vector<Streamed> stream(int d, int rank, VelocityFunction const& function) 
 }
 // [streaming]
 
+VelocityBasis::VelocityBasis(int d, int rank, int degree) {
+    for (int m = 0; m <= highest_m(d, rank); ++m)
+        for (int p = 0; 2 * p + m <= degree + 1; ++p)
+            for (int i = 0; i + 2 * p + m <= degree + 1; ++i) {
+                VelocityFunction const f{m, i, p};
+                if (f.degree() % 2 == 1)
+                    odd.push_back(f);
+                else if (f.degree() <= degree)
+                    even.push_back(f);
+            }
+    streaming.resize(odd.size());
+    for (int k = 0; k < static_cast<int>(even.size()); ++k)
+        for (auto const& [to, slope, rotation, pushed] : stream(d, rank, even[k]))
+            if (int const row = odd_index(to); row >= 0)
+                streaming[row].push_back({k, slope, rotation, pushed});
+}
+
+int VelocityBasis::index_in(std::vector<VelocityFunction> const& list, VelocityFunction const& f) {
+    auto const found = std::ranges::find(list, f);
+    return found == list.end() ? -1 : static_cast<int>(found - list.begin());
+}
+
 std::pair<ElementVector, ElementVector> shape_functions(double x) {
     auto const node = [](int a) { return 0.5 * (1.0 - std::cos(std::numbers::pi * a / order)); };
     ElementVector value, slope;

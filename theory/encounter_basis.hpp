@@ -51,6 +51,30 @@ struct Streamed {
 /// u.grad of a function that turns with r^ like a tensor of that rank.
 std::vector<Streamed> stream(int d, int rank, VelocityFunction const& function);
 
+/// Share of an even function in what streaming makes of it in an odd one, as in Streamed.
+struct Coupling {
+    int from;                        ///< index of the even function
+    double slope, rotation, pushed;  ///< shares
+};
+
+/// Functions of the velocity that turn with r^ like a tensor of a rank from 0 to 2, up to a degree: the even
+/// ones up to `degree`, the odd ones up to degree + 1, which are all that streaming makes of the even.
+class VelocityBasis {
+public:
+    VelocityBasis(int d, int rank, int degree);
+
+    /// Index in a list, or -1.
+    static int index_in(std::vector<VelocityFunction> const& list, VelocityFunction const& f);
+    /// Among the even functions.
+    int even_index(VelocityFunction const& f) const { return index_in(even, f); }
+    /// Among the odd ones.
+    int odd_index(VelocityFunction const& f) const { return index_in(odd, f); }
+
+    std::vector<VelocityFunction> even;            ///< functions of even degree
+    std::vector<VelocityFunction> odd;             ///< functions of odd degree
+    std::vector<std::vector<Coupling>> streaming;  ///< of each odd function
+};
+
 /// Throws std::invalid_argument for what has no meaning.
 void check(Encounter const& pair, int degree);
 
