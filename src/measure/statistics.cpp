@@ -54,6 +54,11 @@ std::size_t block_length(std::span<double const> series) {
 
 }  // namespace
 
+std::vector<double> equal_blocks(std::span<double const> series, std::size_t blocks) {
+    std::size_t const length = series.size() / blocks;
+    return length > 0 ? block_means(series.first(blocks * length), length) : std::vector<double>{};
+}
+
 Estimate independent(std::span<double const> values) {
     Estimate estimate;
     estimate.blocks = values.size();

@@ -31,6 +31,10 @@ Estimate pool(std::span<std::vector<double> const> runs);
 /// run asks for. Runs shorter than two such blocks count as one block each.
 Estimate combine(std::span<std::vector<double> const> runs);
 
+/// Means of so many consecutive blocks of equal length; what is left over at the end is left out. None if the
+/// series is shorter.
+std::vector<double> equal_blocks(std::span<double const> series, std::size_t blocks);
+
 /// Mean and error of numbers that are already independent.
 Estimate independent(std::span<double const> values);
 

@@ -186,6 +186,30 @@ BOOST_DATA_TEST_CASE(a_power_law_gives_its_index,
     BOOST_TEST((estimate_of(quantities, "slip").value < -1e-3) == (index > 1.0));
 }
 
+// The flow's energy is a part of this temperature: slow, and hidden from blocking by what is fast.
+BOOST_AUTO_TEST_CASE(the_temperature_of_a_driven_flow_has_errors_as_slow_as_the_flow) {
+    Scene const channel = opposed();
+    double const share = 0.001;
+    Record record;
+    record.curves["velocity_profile"] =
+        flow(channel, 24, [](double z, Eigen::Index) { return parabola(1.7, z); });
+    auto& series = record.series["kinetic_temperature"];
+    constexpr std::size_t in_block = 1000;
+    for (Eigen::Index block = 0; block < curve_blocks; ++block)
+        for (std::size_t k = 0; k < in_block; ++k)
+            series.push_back(scattered(1.2, share, block) + (k % 2 == 0 ? 0.1 : -0.1));
+    check_estimate(analyze(channel, {record}), "kinetic_temperature", 1.2, 1.2 * share * per_share);
+    // a run shorter than the flow remembers says less
+    record.curves["velocity_profile"].sum /= 1e3 * long_run;
+    record.curves["velocity_profile"].weight /= 1e3 * long_run;
+    BOOST_TEST(estimate_of(analyze(channel, {record}), "kinetic_temperature").error >
+               2.0 * 1.2 * share * per_share);
+    // without a flow that drives it blocks are as long as the series asks for
+    record.curves.clear();
+    BOOST_TEST(estimate_of(analyze(channel, {record}), "kinetic_temperature").error <
+               0.9 * 1.2 * share * per_share);
+}
+
 BOOST_DATA_TEST_CASE(slip_is_told_from_the_parabola,
                      data::make({false, true}) * data::make({-0.1, 0.05, 0.4}), between_walls, slip) {
     Scene const channel = between_walls ? walls() : opposed();

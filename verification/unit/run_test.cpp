@@ -518,6 +518,36 @@ BOOST_AUTO_TEST_CASE(a_run_until_errors_are_small_has_the_bits_of_a_fixed_run_of
     BOOST_TEST(between > 6);
 }
 
+// The blocks of a slow mode count for less than eight, however long the run.
+BOOST_AUTO_TEST_CASE(an_error_that_a_slow_mode_makes_can_be_reached) {
+    Scene const scene = parse_scene(R"(
+dimension = 3
+stages = ["body_force", "shardlow", "sample", "drift"]
+[box]
+length = [3.0, 6.0, 3.0]
+[particles]
+density = 3.0
+[body_force]
+acceleration = 0.2
+opposed = true
+[shardlow]
+friction = 9.0
+[time]
+step = 0.1
+equilibration = 10.0
+duration = 20.0
+until = { poiseuille_viscosity = 0.1, kinetic_temperature = 0.1 }
+[sample]
+observables = ["kinetic_temperature"]
+profile.bins = 12
+)",
+                                    "run_test", {}, 1);
+    RunResult const result = run(scene);
+    BOOST_TEST(result.duration < 63.0 * 20.0);
+    for (auto const& wanted : errors_wanted(scene, result.record))
+        BOOST_TEST(wanted.reached(), wanted.text());
+}
+
 BOOST_AUTO_TEST_CASE(blocks_that_double_end_as_eighths_of_the_run) {
     for (double const duration : {2.0, 1.75, 1.95, 0.85}) {
         Scene const scene = lasting(scene_of({2, "shardlow", 0.0}), duration);
