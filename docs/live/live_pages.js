@@ -228,7 +228,12 @@
         command: v => Object.keys(ways).map(key => run("rescale", Live.pages.rescale.set(v, key))).join("\n"),
     }
 
-    // the introduction's pair
+    // the introduction's pair; with fewer blocks than these its error is itself unknown: two particles have one energy, and it lives long
+    const settledBlocks = 16
+    const ofPair = page => {
+        const q = kT(page.scenes.pair)
+        return q && q[2] < settledBlocks ? text(q[0]) + " ± …" : Live.withError(q)
+    }
     Live.pages.pair = {
         files: { pair: "pair" },
         endless: true,
@@ -275,10 +280,10 @@
             if (q) this.trace.push([this.scenes.pair.state().measured_steps * 0.004, q[0]])
             if (this.trace.length > 400) this.trace = this.trace.filter((_, k) => k % 2)
         },
-        numbers: page => [["", "measured", "expected"], ["temperature, mean so far", Live.withError(kT(page.scenes.pair)),
+        numbers: page => [["", "measured", "expected"], ["temperature, mean so far", ofPair(page),
             page.values.withFriction && page.values.withNoise ? text(page.values.kT) : page.values.withFriction ? "falls to 0" : page.values.withNoise ? "rises without end" : "stays"],
             ["temperature now", text(page.scenes.pair.state().kT), ""]],
-        summary: page => `The pair's mean temperature is ${Live.withError(kT(page.scenes.pair))}.`,
+        summary: page => `The pair's mean temperature is ${ofPair(page)}.`,
         command: v => run("pair", Live.pages.pair.set(v)),
     }
 }
