@@ -22,13 +22,17 @@ void for_each_run(Point const& point, Visit&& visit) {
 }
 
 // Rough cost of a run, in pair and particle visits: good enough to start the longest first and to tell the
-// time that is left. With `until` the greatest that it can be.
+// time that is left. With `until` the geometric mean of the least and the greatest that it can be.
 double cost_of(Scene const& scene) {
     double const ball = scene.dimension == 2 ? std::numbers::pi : 4.0 * std::numbers::pi / 3.0;
     double const pairs = 0.5 * scene.density() * ball * std::pow(scene.cutoff(), scene.dimension);
     auto const* const verlet = scene.stage<Verlet>();
     double const substeps = verlet ? double(verlet->substeps) : 1.0;
-    return double(scene.steps()) * substeps * double(scene.particles) * (4.0 + pairs);
+    double const measured = scene.until
+                                ? std::sqrt(double(scene.production_steps) * double(scene.until->longest))
+                                : double(scene.production_steps);
+    return (double(scene.equilibration_steps) + measured) * substeps * double(scene.particles) *
+           (4.0 + pairs);
 }
 
 // A measured curve as points, one per bin that is asked for. False if there is none.
