@@ -27,8 +27,7 @@ struct Block {
     ElementMatrix matrix;
 };
 
-constexpr int elements_inside = 8, elements_inside_a_potential = 12;
-constexpr double outermost = 60.0;
+constexpr int elements_inside_a_potential = 12;
 
 class EncounterSolver {
 public:
@@ -36,7 +35,7 @@ public:
         : pair_(pair),
           degree_(degree),
           basis_(pair.d, rank, degree),
-          mesh_(pair.d, pair.structure.g ? elements_inside_a_potential : elements_inside, outermost) {
+          mesh_(pair.d, pair.structure.g ? elements_inside_a_potential : elements_inside, mesh_end) {
         for (int element = 0; element < mesh_.elements(); ++element) {
             points_.push_back(mesh_.points(element));
             if (!pair.structure.g) continue;

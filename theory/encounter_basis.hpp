@@ -108,6 +108,9 @@ struct Point {
 /// Value and slope of the Lagrange polynomials through Chebyshev's points of [0, 1].
 std::pair<ElementVector, ElementVector> shape_functions(double x);
 
+constexpr int elements_inside = 8;  ///< of the range, for an ideal gas
+constexpr double mesh_end = 60.0;   ///< distance at which all is forgotten
+
 /// Elements from r = 0 to far outside the range, where the functions are zero.
 class RadialMesh {
 public:

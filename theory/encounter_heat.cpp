@@ -15,9 +15,6 @@ namespace {
 
 using namespace encounter;
 
-constexpr int elements_inside = 8;
-constexpr double outermost = 60.0;
-
 /// An explicit step of a pair at one distance.
 struct ExplicitStep {
     double a;       ///< w step
@@ -65,7 +62,7 @@ public:
           decay_(decay),
           excess_(excess),
           basis_(pair.d, 0, degree),
-          mesh_(pair.d, elements_inside, outermost) {
+          mesh_(pair.d, elements_inside, mesh_end) {
         if (!with_highest) highest_odd_ = degree;
         unknowns_ = mesh_.nodes() * even();
         from_ = to_ = Eigen::VectorXd::Zero(unknowns_);
