@@ -61,6 +61,7 @@ struct Coupling {
 /// ones up to `degree`, the odd ones up to degree + 1, which are all that streaming makes of the even.
 class VelocityBasis {
 public:
+    /// `rank` of the tensor, `degree` even.
     VelocityBasis(int d, int rank, int degree);
 
     /// Index in a list, or -1.
