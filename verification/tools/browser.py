@@ -310,7 +310,7 @@ def look(browser, file, pictures):
         if pictures:
             picture = pictures / f"{file.stem}-{name}"
             if medium == "print":
-                data = browser("Page.printToPDF", paperWidth=8.27, paperHeight=11.69)["data"]
+                data = browser("Page.printToPDF", paperWidth=8.27, paperHeight=11.69, preferCSSPageSize=True)["data"]
                 picture.with_suffix(".pdf").write_bytes(base64.b64decode(data))
             else:
                 data = browser("Page.captureScreenshot")["data"]
