@@ -45,7 +45,6 @@ RULES = [
     # long: `sh verification/fresh.sh` alone prints its usage, which must have the word
     (r"sh verification/fresh\.sh (\w+)", r"sh verification/fresh.sh 2>&1 | grep -w '\1'",
      "installs packages and builds everything"),
-    (r"sh verification/price\.sh .*", r"sh verification/price.sh 2>&1 | grep -w DPDREF", "takes an hour and a half"),
     (r"sh verification/tools/machine\.sh (\w+).*", r"sh verification/tools/machine.sh 2>&1 | grep -w '\1'",
      "installs packages and builds everything"),
     (r"cmake --preset \w+ --toolchain (\S+) -DDPDREF_SYSROOT=FOLDER", r"ls \1",

@@ -285,12 +285,21 @@ def fifteenth_of_lammps():
 # --- what the figures of the papers cost (docs/performance.md)
 
 
-def further_seeds_hours():
-    """Processor time that the data of PK2006 record, less one run for each point: the share of each point's runs, which together are more
-    than the figure's, since it counts shared runs once"""
+def _hours(one_seed):
+    """Processor time that the data of the papers' figures record. With `one_seed` that of one run per point of PK2006: the share of each
+    point's runs, which together are more than the figure's, since it counts shared runs once"""
     total = 0.0
-    for file in sorted((ROOT / "figures/data").glob("pk*.json")):
+    for file in sorted((ROOT / "figures/data").glob("*.json")):
         figure = json_file(file)
         points = {c["seconds"]: c["runs"] for c in figure["comparisons"]}
-        total += figure["seconds"] * (1.0 - sum(s / runs for s, runs in points.items()) / sum(points))
+        once = one_seed and figure["paper"] == "PK2006"
+        total += figure["seconds"] * (sum(s / runs for s, runs in points.items()) / sum(points) if once else 1.0)
     return f"{total / 3600.0:.1f}"
+
+
+def campaign_hours():
+    return _hours(False)
+
+
+def campaign_hours_one_seed():
+    return _hours(True)
