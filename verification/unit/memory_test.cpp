@@ -608,11 +608,15 @@ BOOST_AUTO_TEST_CASE(units_scale_and_registry) {
 BOOST_AUTO_TEST_CASE(refuses_what_has_no_answer) {
     auto fluid = explicit_gas(1.0, 1.0);
     BOOST_CHECK_THROW(temperature_with_memory(fluid, 2.0 * critical_step(fluid)), std::domain_error);
-    // a close pair is left with more velocity than it had; eq. 22 has an answer
+    // close pairs are left with more velocity than they had; eq. 22 has an answer
     ExplicitDpd const thin{.d = 3, .n = 1.0, .gamma = 4.5, .sigma = 3.0, .weight = Weight::quadratic};
     BOOST_TEST(temperature_with_memory(thin, 0.2).value() > 1.0);
-    BOOST_CHECK_THROW(temperature_with_memory(thin, 0.22), std::domain_error);
-    BOOST_TEST(temperature_at_finite_step(thin, 0.22) > 1.0);
+    BOOST_CHECK_THROW(temperature_with_memory(thin, 0.3), std::domain_error);
+    BOOST_TEST(temperature_at_finite_step(thin, 0.3) > 1.0);
+    ExplicitDpd dense = thin;
+    dense.n = 3.0;
+    BOOST_TEST(temperature_with_memory(dense, 0.2).value() > 1.5);
+    BOOST_CHECK_THROW(temperature_with_memory(dense, 0.4), std::domain_error);
     fluid.random_weight = Weight::linear;
     BOOST_CHECK_THROW(temperature_with_memory(fluid, 0.01), std::domain_error);
 }
