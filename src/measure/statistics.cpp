@@ -143,6 +143,7 @@ Estimate of_slow_mode(Estimate const& of_blocks, std::size_t runs, double x) {
                  trace = n * covariance(0) - n * of_mean,
                  trace_of_square = r * squares - 2.0 * r * rows / n + of_mean * of_mean * n * n;
     Estimate result = of_blocks;
+    result.slow_mode = true;
     result.error *= std::sqrt(of_mean * n * (n - 1.0) / trace);
     result.blocks = 1 + std::max<std::size_t>(1, std::size_t(trace * trace / trace_of_square + 1e-9));
     return result;

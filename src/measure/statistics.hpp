@@ -15,6 +15,7 @@ struct Estimate {
     double error = 0.0;       ///< one standard error; NaN with fewer than two blocks
     std::size_t blocks = 0;   ///< the error has blocks-1 degrees of freedom
     double inefficiency = 1;  ///< samples per independent sample
+    bool slow_mode = false;   ///< the blocks remember each other, so that fewer count (`of_slow_mode`)
 };
 
 /// Mean of a correlated series; the error by blocking (Flyvbjerg & Petersen, J. Chem. Phys. 91, 461 (1989)).

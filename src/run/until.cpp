@@ -14,8 +14,8 @@ namespace dpd {
 
 double ErrorWanted::error() const {
     double const relative = estimate.error / std::abs(estimate.value);
-    return estimate.blocks < least_blocks || std::isnan(relative) ? std::numeric_limits<double>::infinity()
-                                                                  : relative;
+    std::size_t const blocks = estimate.blocks + (estimate.slow_mode ? 1 : 0);
+    return blocks < least_blocks || std::isnan(relative) ? std::numeric_limits<double>::infinity() : relative;
 }
 
 std::string ErrorWanted::text() const {

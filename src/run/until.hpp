@@ -12,9 +12,9 @@
 
 namespace dpd {
 
-/// An error from fewer blocks than this is not believed. Curves have one more; where a slow mode makes them
-/// remember each other (`of_slow_mode`), one less counts once a run is long.
-inline constexpr std::size_t least_blocks = std::size_t(curve_blocks) - 1;
+/// An error from fewer blocks than this is not believed; curves have so many. Where a slow mode makes them
+/// remember each other one less counts, however long the run.
+inline constexpr std::size_t least_blocks = std::size_t(curve_blocks);
 
 /// What a scene wants of one quantity, and what has been reached.
 struct ErrorWanted {
