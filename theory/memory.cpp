@@ -718,11 +718,12 @@ TemperatureWithMemory temperature_with_memory(ExplicitDpd const& fluid, double d
     for (int degree = lowest_degree + degree_step; degree <= highest_degree; degree += degree_step) {
         constexpr double wanted = 3e-5;  // relative change at which a refinement is the last
         theta -= excess(theta, degree) / slope;
+        if (!(theta > 0.0)) break;
         sequence.add(theta);
         if (sequence.change() < wanted * theta) break;
     }
     constexpr double believed = 0.01;
-    if (!(sequence.change() < believed * theta))
+    if (!(theta > 0.0 && sequence.change() < believed * theta))
         throw std::domain_error(
             "the temperature with memory is not known to 1 % at this step, which leaves close pairs "
             "with more velocity than they had");

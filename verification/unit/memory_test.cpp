@@ -608,6 +608,18 @@ BOOST_AUTO_TEST_CASE(units_scale_and_registry) {
 BOOST_AUTO_TEST_CASE(refuses_what_has_no_answer) {
     auto fluid = explicit_gas(1.0, 1.0);
     BOOST_CHECK_THROW(temperature_with_memory(fluid, 2.0 * critical_step(fluid)), std::domain_error);
+    // at every step below the critical one there is an answer or a reason
+    for (double const n : {0.05, 0.2}) {
+        fluid.n = n;
+        int answers = 0;
+        double const critical = critical_step(fluid);
+        for (double const share : {0.2, 0.4, 0.6, 0.8, 0.97}) try {
+                answers += temperature_with_memory(fluid, share * critical).value() > 0.5;
+            } catch (std::domain_error const&) {
+            }
+        BOOST_TEST(answers >= 2);
+        BOOST_TEST(answers < 5);
+    }
     // close pairs are left with more velocity than they had; eq. 22 has an answer
     ExplicitDpd const thin{.d = 3, .n = 1.0, .gamma = 4.5, .sigma = 3.0, .weight = Weight::quadratic};
     BOOST_TEST(temperature_with_memory(thin, 0.2).value() > 1.0);
