@@ -122,12 +122,12 @@ std::vector<Quantity> analyze(Scene const& scene, std::vector<Record> const& rec
     if (Quantity const* const viscosity = find_quantity(quantities, "poiseuille_viscosity"))
         for (auto& [name, estimate] : quantities)
             if (name == "kinetic_temperature") {
-                double const mean = estimate.value;
                 auto runs = series_of(records, name);
                 for (auto& run : runs) run = equal_blocks(run, std::size_t(curve_blocks));
-                estimate =
+                Estimate slow =
                     of_profile(scene, records, scene.channel_width(), viscosity->estimate.value, pool(runs));
-                estimate.value = mean;
+                slow.value = estimate.value;
+                if (slow.blocks > 0) estimate = slow;
             }
     add_integrals_of_g(scene, records, add);
     return quantities;

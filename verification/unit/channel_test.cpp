@@ -198,12 +198,17 @@ BOOST_AUTO_TEST_CASE(the_temperature_of_a_driven_flow_has_errors_as_slow_as_the_
     for (Eigen::Index block = 0; block < curve_blocks; ++block)
         for (std::size_t k = 0; k < in_block; ++k)
             series.push_back(scattered(1.2, share, block) + (k % 2 == 0 ? 0.1 : -0.1));
+    auto const series_before = series;
     check_estimate(analyze(channel, {record}), "kinetic_temperature", 1.2, 1.2 * share * per_share);
     // a run shorter than the flow remembers says less
     record.curves["velocity_profile"].sum /= 1e3 * long_run;
     record.curves["velocity_profile"].weight /= 1e3 * long_run;
     BOOST_TEST(estimate_of(analyze(channel, {record}), "kinetic_temperature").error >
                2.0 * 1.2 * share * per_share);
+    // with fewer samples than blocks there is no such error, and the mean stays
+    record.series["kinetic_temperature"] = {1.2, 1.3, 1.1};
+    BOOST_TEST(estimate_of(analyze(channel, {record}), "kinetic_temperature").blocks == 3u);
+    record.series["kinetic_temperature"] = series_before;
     // without a flow that drives it blocks are as long as the series asks for
     record.curves.clear();
     BOOST_TEST(estimate_of(analyze(channel, {record}), "kinetic_temperature").error <
