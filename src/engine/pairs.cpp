@@ -309,19 +309,17 @@ void PairSearch<d>::find_by_cells(Particles<d> const& particles, Box<d> const& b
     std::iota(pairs.crossing.begin(), pairs.crossing.end(), static_cast<std::uint32_t>(within));
 }
 
-// Finds each pair its place: place_[k] for the k-th one found.
+// Which pair comes when: source_[k] is the place at which the k-th one was found.
 template <int d>
-void PairSearch<d>::sort_places(Particles<d> const& particles, NoiseKey key, PairList<d> const& pairs) {
+void PairSearch<d>::sort_pairs(Particles<d> const& particles, NoiseKey key, PairList<d> const& pairs) {
     if (order == Order::id) {
         auto const ids = [&](std::size_t k) {
             std::uint32_t const a = particles.id[pairs.i[k]], b = particles.id[pairs.j[k]];
             return std::pair{std::min(a, b), std::max(a, b)};
         };
-        std::vector<std::uint32_t> sorted(pairs.count);
-        std::iota(sorted.begin(), sorted.end(), 0u);
-        std::sort(sorted.begin(), sorted.end(),
+        std::iota(source_.begin(), source_.end(), 0u);
+        std::sort(source_.begin(), source_.end(),
                   [&](std::size_t a, std::size_t b) { return ids(a) < ids(b); });
-        for (std::size_t k = 0; k < pairs.count; ++k) place_[sorted[k]] = static_cast<std::uint32_t>(k);
         return;
     }
     // A counting sort by random buckets; the few pairs that share one stay in the order in which they were
@@ -336,25 +334,28 @@ void PairSearch<d>::sort_places(Particles<d> const& particles, NoiseKey key, Pai
     bucket_begin_.assign(buckets + 1, 0);
     for (std::size_t k = 0; k < pairs.count; ++k) ++bucket_begin_[bucket(k) + 1];
     std::partial_sum(bucket_begin_.begin(), bucket_begin_.end(), bucket_begin_.begin());
-    for (std::size_t k = 0; k < pairs.count; ++k) place_[k] = bucket_begin_[bucket(k)]++;
+    for (std::uint32_t k = 0; k < pairs.count; ++k) source_[bucket_begin_[bucket(k)]++] = k;
 }
 
 template <int d>
 void PairSearch<d>::reorder(Particles<d> const& particles, NoiseKey key, PairList<d>& pairs) {
-    place_.resize(pairs.count);
+    source_.resize(pairs.count);
     scratch_.resize(pairs.distance.size());
     scratch_rows_.resize(pairs.i.size());
-    sort_places(particles, key, pairs);
+    sort_pairs(particles, key, pairs);
     auto const permute = [&](auto& values, auto& scratch) {
-        for (std::size_t k = 0; k < pairs.count; ++k) scratch[place_[k]] = values[k];
+        for (std::size_t k = 0; k < pairs.count; ++k) scratch[k] = values[source_[k]];
         values.swap(scratch);
     };
     permute(pairs.i, scratch_rows_);
     permute(pairs.j, scratch_rows_);
     permute(pairs.distance, scratch_);
     for (auto& component : pairs.unit) permute(component, scratch_);
-    for (auto& k : pairs.crossing) k = place_[k];
-    std::sort(pairs.crossing.begin(), pairs.crossing.end());
+    // those across a sheared boundary were found last
+    std::size_t const within = pairs.count - pairs.crossing.size();
+    pairs.crossing.clear();
+    for (std::uint32_t k = 0; k < pairs.count; ++k)
+        if (source_[k] >= within) pairs.crossing.push_back(k);
     if (order != Order::id) return;
     // the pair's orientation, too, must not depend on the search; across a sheared boundary it is fixed
     auto crossing = pairs.crossing.begin();
@@ -391,7 +392,8 @@ std::size_t PairSearch<d>::bytes() const {
            (cell_of_.capacity() + row_of_id_.capacity()) * sizeof(std::uint32_t) +
            owner_.capacity() * (sizeof(std::uint32_t) + d * sizeof(float)) +
            candidates_.capacity() * sizeof(simd::Candidates) +
-           (place_.capacity() + bucket_begin_.capacity() + scratch_rows_.capacity()) * sizeof(std::uint32_t) +
+           (source_.capacity() + bucket_begin_.capacity() + scratch_rows_.capacity()) *
+               sizeof(std::uint32_t) +
            scratch_.capacity() * sizeof(double);
 }
 

@@ -88,7 +88,7 @@ private:
                   PairList<d>&) const;
     simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;
     void reorder(Particles<d> const&, NoiseKey, PairList<d>&);
-    void sort_places(Particles<d> const&, NoiseKey, PairList<d> const&);
+    void sort_pairs(Particles<d> const&, NoiseKey, PairList<d> const&);
     double margin(Box<d> const&) const;
 
     // Cells of one row, with its images; and the first cell of the row at (y, x), in two dimensions at y.
@@ -115,12 +115,12 @@ private:
     struct Image {
         std::uint32_t row, cell;
     };
-    std::vector<std::uint32_t> cell_of_, row_of_id_;   // of the particles
-    std::vector<Image> images_;                        // of the lowest layer, in shear
-    std::array<std::vector<float>, d> sorted_;         // positions of particles and images, by cell
-    std::vector<std::uint32_t> owner_;                 // row of the particle behind each of them
-    std::vector<simd::Candidates> candidates_;         // of one row of cells
-    std::vector<std::uint32_t> place_, bucket_begin_;  // scratch of `reorder`, as are the next two
+    std::vector<std::uint32_t> cell_of_, row_of_id_;    // of the particles
+    std::vector<Image> images_;                         // of the lowest layer, in shear
+    std::array<std::vector<float>, d> sorted_;          // positions of particles and images, by cell
+    std::vector<std::uint32_t> owner_;                  // row of the particle behind each of them
+    std::vector<simd::Candidates> candidates_;          // of one row of cells
+    std::vector<std::uint32_t> source_, bucket_begin_;  // scratch of `reorder`, as are the next two
     std::vector<std::uint32_t> scratch_rows_;
     std::vector<double> scratch_;
 };
