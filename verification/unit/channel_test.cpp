@@ -159,6 +159,7 @@ BOOST_DATA_TEST_CASE(a_parabola_gives_viscosity_and_maximum, data::make({false, 
     check_estimate(quantities, "power_law_index", 1.0, 0.0, 1e-6);
     check_estimate(quantities, "slip", 0.0, 0.0);
     BOOST_TEST(estimate_of(quantities, "slip").blocks == std::size_t(curve_blocks));
+    BOOST_TEST(estimate_of(quantities, "power_law_index").blocks == std::size_t(curve_blocks));
     // a force the other way drives the fluid the other way
     auto const backwards =
         between_walls ? walls({"body_force.acceleration=-0.3"}) : opposed({"body_force.acceleration=-0.3"});
