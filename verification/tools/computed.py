@@ -285,21 +285,12 @@ def fifteenth_of_lammps():
 # --- what the figures of the papers cost (docs/performance.md)
 
 
-def _hours(one_seed):
-    """Processor time that the data of the papers' figures record. With `one_seed` that of one run per point of PK2006: the share of each
-    point's runs, which together are more than the figure's, since it counts shared runs once"""
+def further_seeds_hours():
+    """Processor time of what the figures of PK2006 have beside one run per point, by what their data record: that share of each point's
+    runs, which together are more than the figure's, since it counts shared runs once"""
     total = 0.0
-    for file in sorted((ROOT / "figures/data").glob("*.json")):
+    for file in sorted((ROOT / "figures/data").glob("pk*.json")):
         figure = json_file(file)
         points = {c["seconds"]: c["runs"] for c in figure["comparisons"]}
-        once = one_seed and figure["paper"] == "PK2006"
-        total += figure["seconds"] * (sum(s / runs for s, runs in points.items()) / sum(points) if once else 1.0)
+        total += figure["seconds"] * (1.0 - sum(s / runs for s, runs in points.items()) / sum(points))
     return f"{total / 3600.0:.1f}"
-
-
-def campaign_hours():
-    return _hours(False)
-
-
-def campaign_hours_one_seed():
-    return _hours(True)
