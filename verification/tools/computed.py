@@ -191,6 +191,24 @@ def edges_are_good_to():
     return f"{math.hypot(100.0 * math.log(GRID), max(_rms('longer'), _rms('seed'))):.0f}"
 
 
+# --- the largest usable step against the repulsion, from a = 25 on (the picture's caption)
+
+
+def _usable(integrator):
+    """[(step, the step at which a density wave blows up)]"""
+    return [(float(row[3]), float(row[10])) for row in parts("stability/data/repulsion")[f"{integrator}:4.5"] if float(row[1]) >= 25.0]
+
+
+def of_the_density_wave():
+    """with one force per step, and the new momentum"""
+    integrators = "Euler, new", "GW 0.5", "GW 0.65", "DPD-VV", "S1", "Peters", "Lowe", "ABOBA"
+    return span([step / wave for integrator in integrators for step, wave in _usable(integrator)], ".2f")
+
+
+def gain_of_substeps():
+    return span([ten / one for (ten, _), (one, _) in zip(_usable("S1-MTS"), _usable("S1"))], ".1f")
+
+
 # --- LAMMPS (docs/lammps.md)
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No number in the book comes from nowhere.
 
-In every page of the book every number with a decimal point, a per cent sign, an error, a power of ten behind it, or a unit of time or memory must be drawn by a
+In every page of the book and every caption of its pictures every number with a decimal point, a per cent sign, an error, a power of ten behind it, or a unit of time or memory must be drawn by a
 mark of measured.py (@measured, @ratio, @data, @report, @recorded, @table, @json, @computed, @closed, @given), or be of one of the kinds in EXEMPT. README.md, which
 is read as it stands, has the mark in a comment right behind the number, and the number must be what the mark gives.
 
@@ -39,6 +39,7 @@ EXEMPT = (  # (pattern, why)
     (r"\\ref\s+\S+(?:\s+\"[^\"]*\")?|@eq\{[^}]*\}|@figure\{[^}]*\}|\]\([^)]*\)|\{#[^}]*\}", "links"),
     (r"^#.*?$", "headings"),
     (r"<!--.*?-->", "comments"),
+    (r"^(?:again|change|folder) = .*?$", "commands beside a caption"),
     (r"^\|(?:[^|@\n]*\|)+(?=[^|\n]*@(?:measured|ratio|data|report|recorded|table|json|computed)\{)", "cells left of the first number that is drawn: where it was measured"),
     (r"\b(?:eqs?|Eqs?|Figs?|fig|sects?|Sects?|Table|Phys|Lett|Chem|Comput|ref|refs|issue|request|point|points|exercise|Version|version|g\+\+|Highway|LAMMPS)\.?\s+"
      r"[\dIVX]+[a-z]?(?:(?:\s*,\s*|\s+(?:and|to)\s+|-)\d+[a-z]?)*", "numbers of equations, figures, versions"),
@@ -65,8 +66,12 @@ def blanked(text, derivation=False):
     return MARKED.sub(blank, text)
 
 
+def texts():
+    return [*equations.pages(), ROOT / "docs/captions.toml"]
+
+
 def from_nowhere():
-    for file in equations.pages():
+    for file in texts():
         for number, line in enumerate(blanked(read(file), derivation=file.parent.name == "theory").splitlines(), 1):
             for match in SUSPECT.finditer(line):
                 yield f"{file.relative_to(ROOT)}:{number}: {match[0]} comes from nowhere: mark it (verification/tools/measured.py)"
@@ -74,7 +79,7 @@ def from_nowhere():
 
 def undrawable():
     """marks whose number is not there"""
-    for file in equations.pages():
+    for file in texts():
         for mark in measured.MARK.finditer(read(file)):
             try:
                 measured.drawn(mark[0])
@@ -123,7 +128,7 @@ def main():
     mistakes = [*from_nowhere(), *undrawable(), *readme(), *(closed_forms(options.dpdref) if options.dpdref else [])]
     for mistake in mistakes:
         print(f"numbers: {mistake}", file=sys.stderr)
-    marks = sum(len(MARKED.findall(read(file))) for file in [*equations.pages(), ROOT / "README.md"])
+    marks = sum(len(MARKED.findall(read(file))) for file in [*texts(), ROOT / "README.md"])
     print(f"{marks} numbers are drawn, {len(mistakes)} come from nowhere or are wrong")
     return 1 if mistakes else 0
 

@@ -164,8 +164,7 @@ def made(file):
         text = words(text)
     text = LIVE.sub(lambda match: live(match[1]), text)
     text = re.sub(r"<!-- @\w+\{[^{}]*\} -->", "", text)  # README.md has its numbers in the text, and the marks beside them
-    text = measured.drawn(text)
-    text = MARK.sub(lambda match: shown(match[1]), text)
+    text = measured.drawn(MARK.sub(lambda match: shown(match[1]), text))
     text = for_doxygen(text)
     # open where scripts are off and on paper; the head of the pages closes them
     text = re.sub(r"^\\solution$", "\\\\htmlonly <details class=\"solution\" open><summary>Solution</summary> \\\\endhtmlonly", text,
