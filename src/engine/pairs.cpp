@@ -309,32 +309,37 @@ void PairSearch<d>::find_by_cells(Particles<d> const& particles, Box<d> const& b
     std::iota(pairs.crossing.begin(), pairs.crossing.end(), static_cast<std::uint32_t>(within));
 }
 
+// A counting sort of source_, in which those of one bucket keep their order.
+template <int d>
+void PairSearch<d>::sort_by_bucket(std::size_t buckets, auto const& bucket) {
+    bucket_begin_.assign(buckets + 1, 0);
+    for (std::uint32_t const k : source_) ++bucket_begin_[bucket(k) + 1];
+    std::partial_sum(bucket_begin_.begin(), bucket_begin_.end(), bucket_begin_.begin());
+    auto const end = std::copy(source_.begin(), source_.end(), scratch_rows_.begin());
+    std::for_each(scratch_rows_.begin(), end,
+                  [&](std::uint32_t k) { source_[bucket_begin_[bucket(k)]++] = k; });
+}
+
 // Which pair comes when: source_[k] is the place at which the k-th one was found.
 template <int d>
 void PairSearch<d>::sort_pairs(Particles<d> const& particles, NoiseKey key, PairList<d> const& pairs) {
+    std::iota(source_.begin(), source_.end(), 0u);
     if (order == Order::id) {
-        auto const ids = [&](std::size_t k) {
-            std::uint32_t const a = particles.id[pairs.i[k]], b = particles.id[pairs.j[k]];
-            return std::pair{std::min(a, b), std::max(a, b)};
-        };
-        std::iota(source_.begin(), source_.end(), 0u);
-        std::sort(source_.begin(), source_.end(),
-                  [&](std::size_t a, std::size_t b) { return ids(a) < ids(b); });
+        auto const id = [&](std::uint32_t row) { return particles.id[row]; };
+        auto const count = static_cast<std::size_t>(particles.size());
+        sort_by_bucket(count, [&](std::uint32_t k) { return std::max(id(pairs.i[k]), id(pairs.j[k])); });
+        sort_by_bucket(count, [&](std::uint32_t k) { return std::min(id(pairs.i[k]), id(pairs.j[k])); });
         return;
     }
-    // A counting sort by random buckets; the few pairs that share one stay in the order in which they were
-    // found. The low bits of a normal variate are uniform.
-    constexpr std::uint32_t buckets = 1u << 16;
+    // The few pairs that share a bucket stay in the order in which they were found. The low bits of a normal
+    // variate are uniform.
     pair_normals(key, {pairs.i.data(), pairs.count}, {pairs.j.data(), pairs.count}, particles.id.data(),
                  {scratch_.data(), pairs.count});
-    auto const bucket = [&](std::size_t k) {
+    constexpr std::uint32_t buckets = 1u << 16;
+    sort_by_bucket(buckets, [&](std::uint32_t k) {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>((scratch_[k] + 16.0) * 0x1p40)) %
                buckets;
-    };
-    bucket_begin_.assign(buckets + 1, 0);
-    for (std::size_t k = 0; k < pairs.count; ++k) ++bucket_begin_[bucket(k) + 1];
-    std::partial_sum(bucket_begin_.begin(), bucket_begin_.end(), bucket_begin_.begin());
-    for (std::uint32_t k = 0; k < pairs.count; ++k) source_[bucket_begin_[bucket(k)]++] = k;
+    });
 }
 
 template <int d>

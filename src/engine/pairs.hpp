@@ -89,6 +89,7 @@ private:
     simd::Geometry<d> geometry(Box<d> const&, double time, bool across) const;
     void reorder(Particles<d> const&, NoiseKey, PairList<d>&);
     void sort_pairs(Particles<d> const&, NoiseKey, PairList<d> const&);
+    void sort_by_bucket(std::size_t buckets, auto const& bucket);
     double margin(Box<d> const&) const;
 
     // Cells of one row, with its images; and the first cell of the row at (y, x), in two dimensions at y.
