@@ -38,8 +38,9 @@ void finish_output() {
 
 int dispatch(int argc, char** argv) {
     CLI::App app{"Reference implementation of dissipative particle dynamics at finite time step", "dpdref"};
-    app.set_version_flag("--version", fmt::format("dpdref {} (engine revision {}; {} {})", version,
-                                                  engine_revision, compiler, build_flags));
+    app.set_version_flag("--version",
+                         fmt::format("dpdref {} (revision {}.{}: engine, measurement; {} {})", version,
+                                     engine_revision, measurement_revision, compiler, build_flags));
     app.require_subcommand(1);
     std::vector<Command> commands;
     for (auto const add : {theory, tune, convert, run, export_scene, figure, stability, work_precision,

@@ -536,8 +536,8 @@ void Scene::use(Engine which) {
 std::string Scene::key() const {
     boost::uuids::name_generator_sha1 const generate(boost::uuids::ns::oid());
     return boost::uuids::to_string(
-        generate(fmt::format("{}\nrevision {}\nseed {}{}", text, engine_revision, seed,
-                             engine == Engine::plain ? "\nplain engine " DPDREF_PLAIN_TEXT : "")));
+        generate(fmt::format("{}\nrevision {}.{}\nseed {}{}", text, engine_revision, measurement_revision,
+                             seed, engine == Engine::plain ? "\nplain engine " DPDREF_PLAIN_TEXT : "")));
 }
 
 Scene parse_scene(std::string const& text, std::string const& name, std::vector<std::string> const& overrides,

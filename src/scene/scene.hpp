@@ -82,7 +82,7 @@ struct Scene {
     std::uint64_t trajectory_interval = 0;  ///< steps between frames; 0: none
     Engine engine = Engine::fast;           ///< `use` chooses it, not the file
 
-    /// The merged TOML text, sorted and without comments: with the seed and the engine's revision it
+    /// The merged TOML text, sorted and without comments: with the seed and the revision it
     /// determines the results.
     std::string text;
 
@@ -120,7 +120,7 @@ struct Scene {
     /// order.
     void use(Engine which);
 
-    /// Name of this scene's cached result: a UUID (version 5) of text, seed, engine and its revision; for the
+    /// Name of this scene's cached result: a UUID (version 5) of text, seed, engine and revision; for the
     /// plain engine also of its own source.
     std::string key() const;
 };

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The bits of revision 2: every example scene runs for some steps, and what it ends with is compared with bits.json beside this script:
+"""The bits of a revision: every example scene runs for some steps, and what it ends with is compared with bits.json beside this script:
 the hash of all final positions and velocities (program `bits_of_state`), and that of all that `dpdref run --json` measures, less
-run times. They are the same on every machine; a change of the engine that moves them raises its revision and calls --write.
+run times. They are the same on every machine. A change that moves them raises a revision (src/base/version.hpp.in), so that no cached result is taken for
+a new one, and calls --write, which refuses without.
 
-usage: bits.py BUILD [--under COMMAND] [--node] [--write]
+usage: bits.py BUILD [--under COMMAND] [--node | --write]
     BUILD      a folder of a build; its program and bits_of_state are run, by COMMAND where another processor is emulated
                ("qemu-x86_64 -cpu Nehalem", "qemu-aarch64 -L ROOT")
     --node     the engine of the live pages in node, in place of them: states alone
@@ -16,6 +17,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import subprocess
@@ -108,6 +110,10 @@ def natively(build, under):
     return both
 
 
+def revision_of(build, under):
+    return re.search(r"revision ([\d.]+):", output_of(*under, build / "dpdref", "--version"))[1]
+
+
 def in_node(build):
     engine, node = build / "live" / "live_engine.js", shutil.which("node") or shutil.which("nodejs")
     if not node or not shutil.which("emcc") or not engine.is_file():
@@ -128,24 +134,31 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--under", type=shlex.split, default=[])
+    mode = parser.add_mutually_exclusive_group()
     for flag in ("--node", "--write"):
-        parser.add_argument(flag, action="store_true")
+        mode.add_argument(flag, action="store_true")
     options = parser.parse_args()
     build = options.build.resolve()
     hashes = in_node(build) if options.node else natively(build, options.under)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         found = dict(zip(CASES, pool.map(hashes, CASES)))
-    if options.write:
-        HASHES.write_text(json.dumps(found, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-        return 0
     expected = json.loads(HASHES.read_text(encoding="utf-8"))
+    before = expected.pop("revision")
+    revision = before if options.node else revision_of(build, options.under)
     wrong = [f"{case}: {what}" for case, both in found.items() for what, value in both.items() if expected.get(case, {}).get(what) != value]
+    if options.write:
+        if revision == before and any(line.partition(": ")[0] in expected for line in wrong):
+            sys.exit(f"bits: not written: {', '.join(wrong)} moved, and the revision is still {before}: raise it in src/base/version.hpp.in")
+        HASHES.write_text(json.dumps({**found, "revision": revision}, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+        return 0
     wrong += [f"{case}: no case" for case in expected.keys() - CASES.keys()]
     for line in wrong:
         print(f"bits: {line} differs from {HASHES.name}", file=sys.stderr)
+    if revision != before:
+        print(f"bits: {HASHES.name} is of revision {before}, the program of {revision}: --write", file=sys.stderr)
     count = sum(map(len, found.values()))
     print(f"{count - len(wrong)} of {count} hashes of {len(found)} scenes are those of {HASHES.name}")
-    return 1 if wrong else 0
+    return 1 if wrong or revision != before else 0
 
 
 if __name__ == "__main__":
