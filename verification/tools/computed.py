@@ -194,19 +194,21 @@ def edges_are_good_to():
 # --- the largest usable step against the repulsion, from a = 25 on (the picture's caption)
 
 
-def _usable(integrator):
-    """[(step, the step at which a density wave blows up)]"""
-    return [(float(row[3]), float(row[10])) for row in parts("stability/data/repulsion")[f"{integrator}:4.5"] if float(row[1]) >= 25.0]
+def _usable():
+    """integrator -> [(step, the step at which a density wave blows up)]"""
+    return {part.removesuffix(":4.5"): [(float(row[3]), float(row[10])) for row in rows if float(row[1]) >= 25.0]
+            for part, rows in parts("stability/data/repulsion").items() if part.endswith(":4.5")}
 
 
 def of_the_density_wave():
     """with one force per step, and the new momentum"""
-    integrators = "Euler, new", "GW 0.5", "GW 0.65", "DPD-VV", "S1", "Peters", "Lowe", "ABOBA"
-    return span([step / wave for integrator in integrators for step, wave in _usable(integrator)], ".2f")
+    return span([step / wave for integrator, steps in _usable().items() if integrator not in ("Euler, old", "S1-MTS")
+                 for step, wave in steps], ".2f")
 
 
 def gain_of_substeps():
-    return span([ten / one for (ten, _), (one, _) in zip(_usable("S1-MTS"), _usable("S1"))], ".1f")
+    usable = _usable()
+    return span([ten / one for (ten, _), (one, _) in zip(usable["S1-MTS"], usable["S1"])], ".1f")
 
 
 # --- LAMMPS (docs/lammps.md)
